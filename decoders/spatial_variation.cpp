@@ -44,22 +44,41 @@ SpatialVariation::SpatialVariation(const std::vector<SkinField>& fields, Duratio
         }
 }
 
-void SpatialVariation::operator()(const SpikeTrains& trains, TextureEstimate& estimate) noexcept {
-    for (std::size_t i = 0; i < trains.afferents(); ++i)
-        if (const auto train = trains.of(i); !train.empty())
-            rates_of(train, trains.window(), std::span(rates_).subspan(i * steps_, steps_));
+void SpatialVariation::begin() noexcept {
     std::fill(sums_.begin(), sums_.end(), Sum());
-    for (const Pair& pair : pairs_) {
-        if (trains.of(pair.one).empty() || trains.of(pair.other).empty()) continue;
-        const double* const one = &rates_[pair.one * steps_];
-        const double* const other = &rates_[pair.other * steps_];
-        double sum = 0;
-        for (std::size_t t = 0; t < steps_; ++t) sum += std::abs(one[t] - other[t]);
-        for (const std::uint32_t i : {pair.one, pair.other}) {
-            sums_[i].hz += sum / static_cast<double>(steps_);
-            ++sums_[i].pairs;
-        }
+    rated_ = compared_ = 0;
+}
+
+bool SpatialVariation::advance(const SpikeTrains& trains, WorkBudget& budget,
+                               TextureEstimate& estimate) noexcept {
+    while (rated_ < trains.afferents()) {
+        const auto train = trains.of(rated_);
+        if (!budget.take(4 * steps_ + train.size())) return false;
+        if (!train.empty())
+            rates_of(train, trains.window(), std::span(rates_).subspan(rated_ * steps_, steps_));
+        ++rated_;
     }
+    while (compared_ < pairs_.size()) {
+        if (!budget.take(2 * steps_)) return false;
+        add(trains, pairs_[compared_++]);
+    }
+    tell(estimate);
+    return true;
+}
+
+void SpatialVariation::add(const SpikeTrains& trains, const Pair& pair) noexcept {
+    if (trains.of(pair.one).empty() || trains.of(pair.other).empty()) return;
+    const double* const one = &rates_[pair.one * steps_];
+    const double* const other = &rates_[pair.other * steps_];
+    double sum = 0;
+    for (std::size_t t = 0; t < steps_; ++t) sum += std::abs(one[t] - other[t]);
+    for (const std::uint32_t i : {pair.one, pair.other}) {
+        sums_[i].hz += sum / static_cast<double>(steps_);
+        ++sums_[i].pairs;
+    }
+}
+
+void SpatialVariation::tell(TextureEstimate& estimate) const noexcept {
     // The mean over afferents of the mean over their neighbours.
     double count = 0, mean = 0, squares = 0;
     for (const Sum& sum : sums_) {

@@ -8,6 +8,7 @@
 #include "afferent/decoders/pressure_fit.hpp"
 #include "afferent/decoders/readout.hpp"
 #include "afferent/decoders/spike_trains.hpp"
+#include "afferent/decoders/work_budget.hpp"
 
 namespace afferent {
 
@@ -31,8 +32,10 @@ class SpatialVariation {
 
     SpatialVariation(const std::vector<SkinField>& fields, Duration window);
 
-    // Fills in what belongs to the roughness. Trains are sorted, of the same afferents and window.
-    void operator()(const SpikeTrains& trains, TextureEstimate& estimate) noexcept;
+    // The next call of advance() begins with another window.
+    void begin() noexcept;
+    // As WaveFit::advance(), for what belongs to the roughness. Trains are sorted.
+    bool advance(const SpikeTrains& trains, WorkBudget& budget, TextureEstimate& estimate) noexcept;
 
     bool has_neighbours() const noexcept { return !pairs_.empty(); }
     std::size_t heap_bytes() const noexcept;
@@ -46,10 +49,15 @@ class SpatialVariation {
         std::size_t pairs = 0;
     };
 
+    void add(const SpikeTrains& trains, const Pair& pair) noexcept;
+    void tell(TextureEstimate& estimate) const noexcept;
+
     std::vector<Pair> pairs_;
     std::size_t steps_;
     std::vector<double> rates_;  // of each afferent at each time, less its mean
     std::vector<Sum> sums_;      // of each afferent's pairs
+    std::size_t rated_ = 0;      // afferents whose rates are known
+    std::size_t compared_ = 0;   // pairs
 };
 
 }  // namespace afferent

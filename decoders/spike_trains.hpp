@@ -18,11 +18,12 @@ class SpikeTrains {
 
     // The window is shorter than the 4.29 s that 32 bits of nanoseconds hold.
     SpikeTrains(std::size_t afferents, Duration window)
-        : window_(window),
-          room_(static_cast<std::size_t>(seconds(window) * fastest_hz) + 1),
-          counts_(afferents),
-          times_(afferents * room_) {}
+        : window_(window), room_(room_in(window)), counts_(afferents), times_(afferents * room_) {}
 
+    // Spikes of one afferent.
+    static std::size_t room_in(Duration window) noexcept {
+        return static_cast<std::size_t>(seconds(window) * fastest_hz) + 1;
+    }
     Duration window() const noexcept { return window_; }
     std::size_t afferents() const noexcept { return counts_.size(); }
 

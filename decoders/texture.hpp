@@ -16,15 +16,19 @@
 
 namespace afferent {
 
-// Tells of each window of time, which begin at multiples of their length, once no span of it comes any more:
-// by the wave in which afferents fire (wave_fit.hpp), and by how much the rates of neighbours differ
+// Time is divided into windows, which begin at multiples of their length. Of each of them it tells the wave
+// in which afferents fire (wave_fit.hpp), and by how much the rates of neighbours differ
 // (spatial_variation.hpp).
+//
+// A window ends once no span of it comes any more. Its fit is spread over the steps that follow: each does
+// `work_a_step` of it, and the window is told when the fit is complete. If the next window ends before that,
+// the rest of the fit is done at once, so that no window is missed.
 //
 // A lost span has no spikes of any afferent, which does not look like a wave that travels. A window is not
 // told if more than half of it has been lost. The spikes of an afferent that fires more often than
 // SpikeTrains::fastest_hz are dropped where a window has no room for them, and counted.
 //
-// A spike costs O(1), and a window the fit. Allocates nothing after construction.
+// A spike costs O(1). Allocates nothing after construction.
 class TextureReadout {
   public:
     struct Afferent {
@@ -43,6 +47,8 @@ class TextureReadout {
     static constexpr std::size_t fewest = 24;
     // The fit takes a time that grows with the square of the number.
     static constexpr std::size_t most = 256;
+    // Takes some 0.2 ms.
+    static constexpr std::size_t work_a_step = 200'000;
 
     struct Progress {
         TimePoint begin{};  // of the window
@@ -51,10 +57,17 @@ class TextureReadout {
         std::uint64_t dropped = 0;  // spikes, and windows that nobody has taken
         friend bool operator==(const Progress&, const Progress&) = default;
     };
+    // A window that has ended and whose fit is not complete.
+    struct Ended {
+        TimePoint end{};
+        SpikeTrains trains;
+        std::uint32_t steps = 0;  // that have been spent on the fit
+    };
     struct Snapshot {
         Progress progress;
         SpikeTrains trains;
         std::optional<PatchTexture> told;
+        std::optional<Ended> ended;
     };
 
     using Readout = PatchTexture;
@@ -91,14 +104,16 @@ class TextureReadout {
     void presume_silence(TimePoint) noexcept {}
     void restart(TimePoint start) noexcept;
     void resume_after(TimePoint start, TimePoint) noexcept { restart(start); }
-    // After so long, a window is heard as a whole.
-    Duration history() const noexcept { return trains_.window(); }
-    Snapshot snapshot() const { return {progress_, trains_, told_}; }
-    // Throws ParameterError, and changes nothing, if it is of other afferents or windows.
+    // All windows that begin later are heard as a whole. The one before them, of which the beginning may be
+    // missing, is told by the end of the next.
+    Duration history() const noexcept { return 2 * trains_.window(); }
+    Snapshot snapshot() const;
+    // Repeats the work that has been done on a window that has ended. Throws ParameterError, and changes
+    // nothing, if the snapshot is of other afferents or windows.
     void resume(const Snapshot& snapshot);
 
     PatchIndex patch() const noexcept { return patch_; }
-    // The window that has been told last, if nobody has taken it yet.
+    // Advances the fit. Returns each window once, when its fit is complete; if two are complete, the earlier.
     std::optional<PatchTexture> step(TimePoint) noexcept;
     std::uint64_t dropped() const noexcept { return progress_.dropped; }
 
@@ -111,13 +126,20 @@ class TextureReadout {
     TimePoint window_end() const noexcept { return progress_.begin + trains_.window(); }
     // No span before that time comes any more.
     void reach(TimePoint time) noexcept;
-    void tell() noexcept;
+    void end_window() noexcept;
+    void begin_fit(TimePoint window_end) noexcept;
+    // Does at most that much work on the fit, if one is under way.
+    void advance(std::size_t work) noexcept;
+    bool same_windows(const SpikeTrains& trains) const noexcept;
 
     PatchIndex patch_;
     std::vector<std::uint32_t> index_of_;  // by address
     WaveFit wave_;
     SpatialVariation variation_;
     SpikeTrains trains_;
+    bool fitting_ = false;
+    Ended ended_;          // valid while `fitting_`
+    PatchTexture fitted_;  // of `ended_`, filled in by the fit
     std::optional<PatchTexture> told_;
     Progress progress_;
 };

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "afferent/runtime/parameter_error.hpp"
@@ -59,19 +61,43 @@ std::vector<Event> slid_over(const TextureReadout::Parameters& skin, const SlidS
     return events;
 }
 
-// In spans of 5 ms; the windows that are told.
+void hear_span(TextureReadout& readout, std::span<const Event> events, Duration begin, Duration end) {
+    const auto from = std::ranges::lower_bound(events, at(begin), {}, &Event::time);
+    const auto until = std::ranges::lower_bound(events, at(end), {}, &Event::time);
+    readout.observe(at(begin), at(end), {from, until});
+}
+
+// The windows that are told while spans of 5 ms are heard, with a step after each, and in the steps that the
+// last fit takes.
 std::vector<PatchTexture> hear(TextureReadout& readout, std::span<const Event> events, Duration begin,
                                Duration end, const std::function<bool(Duration)>& lost = {}) {
     std::vector<PatchTexture> told;
-    for (; begin < end; begin += 5ms) {
-        if (lost && lost(begin)) {
+    const auto step = [&] {
+        if (const auto one = readout.step(at(begin))) told.push_back(*one);
+    };
+    while (begin < end) {
+        if (lost && lost(begin))
             readout.lose(at(begin), at(begin + 5ms));
-        } else {
-            const auto from = std::ranges::lower_bound(events, at(begin), {}, &Event::time);
-            const auto until = std::ranges::lower_bound(events, at(begin + 5ms), {}, &Event::time);
-            readout.observe(at(begin), at(begin + 5ms), {from, until});
-        }
-        if (const auto one = readout.step(at(begin + 5ms))) told.push_back(*one);
+        else
+            hear_span(readout, events, begin, begin + 5ms);
+        begin += 5ms;
+        step();
+    }
+    for (int i = 0; i < 50; ++i) step();
+    return told;
+}
+
+// The window that is told, and the steps that it takes.
+struct Told {
+    std::optional<PatchTexture> window;
+    int steps = 0;
+    friend bool operator==(const Told&, const Told&) = default;
+};
+Told step_until_told(TextureReadout& readout, TimePoint now) {
+    Told told;
+    while (!told.window && told.steps < 1000) {
+        told.window = readout.step(now);
+        ++told.steps;
     }
     return told;
 }
@@ -289,9 +315,9 @@ TEST(TextureReadout, TakesThePartsOfASpanInAnyOrder) {
     parts.observe(at(0ms), at(400ms), std::span(events).first(half));
     EXPECT_FALSE(parts.step(at(400ms))) << "another part may come";
     for (TextureReadout* each : {&whole, &parts}) each->observe(at(400ms), at(405ms), {});
-    const auto told = whole.step(at(405ms));
-    ASSERT_TRUE(told);
-    EXPECT_EQ(parts.step(at(405ms)), told);
+    const Told told = step_until_told(whole, at(405ms));
+    ASSERT_TRUE(told.window);
+    EXPECT_EQ(step_until_told(parts, at(405ms)), told);
 }
 
 TEST(TextureReadout, CountsWhatItDrops) {
@@ -302,10 +328,217 @@ TEST(TextureReadout, CountsWhatItDrops) {
     for (int i = 0; i < 200; ++i) events.push_back({at(i * 1ms), 3});
     readout.observe(at(0ms), at(400ms), events);
     EXPECT_EQ(readout.dropped(), 39U);
-    // Nobody takes the first window.
+    // Nobody takes the first window by the time at which the second must be told.
     readout.observe(at(400ms), at(800ms), {});
-    readout.observe(at(800ms), at(805ms), {});
+    readout.observe(at(800ms), at(1200ms), {});
+    EXPECT_EQ(readout.dropped(), 39U);
+    readout.observe(at(1200ms), at(1205ms), {});
     EXPECT_EQ(readout.dropped(), 40U);
+}
+
+std::vector<SkinField> fields_of(const TextureReadout::Parameters& skin) {
+    std::vector<SkinField> fields;
+    for (const auto& afferent : skin.afferents) fields.push_back(afferent.field);
+    return fields;
+}
+
+// The fits of a window by themselves.
+struct Fits {
+    SpikeTrains trains{64, 400ms};
+    WaveFit wave{fields_of(skin_of_64()), 400ms};
+    SpatialVariation variation{fields_of(skin_of_64()), 400ms};
+    TextureEstimate estimate;
+
+    explicit Fits(std::span<const Event> events) {
+        for (const Event& event : events)
+            trains.add(event.address - 1, static_cast<std::uint32_t>((event.time - scene_start).count()));
+    }
+    // How much is done with each budget.
+    std::vector<std::size_t> fit(std::size_t work) {
+        estimate = {};
+        wave.begin();
+        variation.begin();
+        std::vector<std::size_t> done;
+        for (bool complete = false; !complete;) {
+            WorkBudget budget(work);
+            complete = wave.advance(trains, budget, estimate) && variation.advance(trains, budget, estimate);
+            done.push_back(budget.done());
+        }
+        return done;
+    }
+};
+
+constexpr std::size_t unbounded = std::numeric_limits<std::size_t>::max();
+
+TEST(TextureFits, AreTheSameInPiecesOfAnySize) {
+    // A wave that is found by its harmonic takes every part of the fit.
+    Fits fits(slid_over(skin_of_64(), {4, 60, 30, 0.3, 0.5, 60}, 1, 0.4));
+    EXPECT_EQ(fits.fit(unbounded).size(), 1U);
+    const TextureEstimate at_once = fits.estimate;
+    ASSERT_TRUE(at_once.slides && at_once.felt);
+    EXPECT_NEAR(at_once.period_mm, 4, 0.4);
+    for (const std::size_t work : {1, 1000, 54'321}) {
+        fits.fit(work);
+        EXPECT_EQ(fits.estimate, at_once) << work;
+    }
+}
+
+TEST(TextureFits, DoNoMoreThanTheirBudget) {
+    Fits fits(slid_over(skin_of_64(), {4, 60, 30, 0.3, 0.5, 60}, 1, 0.4));
+    const std::size_t all = fits.fit(unbounded)[0];
+    // No piece of the fits is larger than these.
+    for (const std::size_t work : {5'000, 54'321}) {
+        const auto done = fits.fit(work);
+        EXPECT_LE(*std::ranges::max_element(done), work);
+        EXPECT_EQ(std::accumulate(done.begin(), done.end(), std::size_t{0}), all);
+    }
+}
+
+TEST(WorkBudget, DoesAPieceThatIsTooLargeAlone) {
+    WorkBudget budget(10);
+    EXPECT_TRUE(budget.take(4));
+    EXPECT_FALSE(budget.take(7));
+    EXPECT_TRUE(budget.take(6));
+    EXPECT_FALSE(budget.take(1));
+    EXPECT_EQ(budget.done(), 10U);
+    WorkBudget other(10);
+    EXPECT_TRUE(other.take(11));
+    EXPECT_FALSE(other.take(1));
+}
+
+TEST(TextureReadout, DoesTheWorkOfOneStepInEach) {
+    const auto events = slid_over(skin_of_64(), {2, 40, 10}, 15, 0.4);
+    const std::size_t steps = Fits(events).fit(TextureReadout::work_a_step).size();
+    ASSERT_GT(steps, 5U);
+    TextureReadout readout(skin_of_64());
+    readout.observe(at(0ms), at(400ms), events);
+    readout.observe(at(400ms), at(405ms), {});
+    const Told told = step_until_told(readout, at(405ms));
+    EXPECT_TRUE(told.window);
+    EXPECT_EQ(told.steps, static_cast<int>(steps));
+}
+
+// Of five windows, with so many steps in each as are given.
+std::vector<PatchTexture> told_in(int steps_a_window, std::uint64_t& dropped) {
+    const auto skin = skin_of_64();
+    const auto events = slid_over(skin, {2, 40, 10}, 16, 2);
+    TextureReadout readout(skin);
+    std::vector<PatchTexture> told;
+    for (Duration begin{}; begin < 2800ms; begin += 400ms / steps_a_window) {
+        hear_span(readout, events, begin, begin + 400ms / steps_a_window);
+        if (const auto one = readout.step(at(begin + 400ms / steps_a_window))) told.push_back(*one);
+    }
+    dropped = readout.dropped();
+    return told;
+}
+
+TEST(TextureReadout, TellsEachWindowWhereStepsAreFew) {
+    std::uint64_t dropped = 0;
+    auto expected = told_in(80, dropped);
+    ASSERT_GE(expected.size(), 5U);
+    expected.resize(5);
+    for (const int steps_a_window : {1, 2, 5}) {
+        auto told = told_in(steps_a_window, dropped);
+        ASSERT_GE(told.size(), 5U) << steps_a_window;
+        told.resize(5);
+        EXPECT_EQ(told, expected) << steps_a_window;
+        EXPECT_EQ(dropped, 0U);
+    }
+}
+
+// The first window is completed when the second ends, and the second, which is short and has no spikes, in
+// the step in which the first is taken.
+TEST(TextureReadout, TellsTwoWindowsThatAreCompleteOneAfterTheOther) {
+    auto skin = skin_of_64();
+    skin.window = 20ms;
+    TextureReadout readout(skin);
+    readout.observe(at(0ms), at(20ms), slid_over(skin, {2, 40, 10}, 17, 0.02));
+    readout.observe(at(20ms), at(40ms), {});
+    readout.observe(at(40ms), at(45ms), {});
+    std::vector<TimePoint> ends;
+    for (int i = 0; i < 3; ++i)
+        if (const auto told = readout.step(at(45ms))) ends.push_back(told->end);
+    EXPECT_EQ(ends, (std::vector{at(20ms), at(40ms)}));
+    EXPECT_EQ(readout.dropped(), 0U);
+}
+
+TEST(TextureReadout, CompletesAWindowWhenTheNextIsLost) {
+    TextureReadout readout(skin_of_64());
+    readout.observe(at(0ms), at(400ms), slid_over(skin_of_64(), {2, 40, 10}, 17, 0.4));
+    readout.lose(at(400ms), at(795ms));
+    EXPECT_FALSE(readout.step(at(795ms)));
+    readout.lose(at(795ms), at(805ms));
+    const auto told = readout.step(at(805ms));
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->end, at(400ms));
+}
+
+TEST(TextureReadout, ContinuesInTheMiddleOfAFit) {
+    const auto skin = skin_of_64();
+    const auto events = slid_over(skin, {2, 40, 10}, 18, 0.8);
+    for (const int steps_before : {0, 1, 4}) {
+        TextureReadout readout(skin), other(skin);
+        hear_span(readout, events, 0ms, 400ms);
+        hear_span(readout, events, 400ms, 500ms);
+        for (int i = 0; i < steps_before; ++i) ASSERT_FALSE(readout.step(at(500ms)));
+        // The other is in the middle of another fit.
+        hear_span(other, events, 400ms, 805ms);
+        EXPECT_FALSE(other.step(at(805ms)));
+        other.resume(readout.snapshot());
+        const Told told = step_until_told(readout, at(500ms));
+        ASSERT_TRUE(told.window);
+        EXPECT_EQ(told.window->end, at(400ms));
+        EXPECT_EQ(step_until_told(other, at(500ms)), told) << steps_before;
+        EXPECT_EQ(hear(other, events, 500ms, 805ms), hear(readout, events, 500ms, 805ms));
+        // Where no fit is under way, the resumed one has none either.
+        hear_span(other, events, 805ms, 1200ms);
+        hear_span(other, events, 1200ms, 1205ms);
+        other.resume(TextureReadout(skin).snapshot());
+        EXPECT_FALSE(step_until_told(other, at(1205ms)).window);
+    }
+    TextureReadout readout(skin);
+    hear_span(readout, events, 0ms, 405ms);
+    hear_span(readout, events, 405ms, 410ms);
+    auto snapshot = readout.snapshot();
+    ASSERT_TRUE(snapshot.ended);
+    snapshot.ended->trains = SpikeTrains(63, 400ms);
+    EXPECT_THROW(readout.resume(snapshot), ParameterError);
+    EXPECT_TRUE(step_until_told(readout, at(410ms)).window) << "nothing has changed";
+}
+
+TEST(TextureReadout, DropsTheFitWhenItRestarts) {
+    const auto skin = skin_of_64();
+    TextureReadout readout(skin);
+    readout.observe(at(0ms), at(400ms), slid_over(skin, {2, 40, 10}, 19, 0.4));
+    readout.observe(at(400ms), at(405ms), {});
+    EXPECT_FALSE(readout.step(at(405ms)));
+    readout.restart(at(405ms));
+    EXPECT_FALSE(step_until_told(readout, at(405ms)).window);
+    EXPECT_EQ(readout.dropped(), 0U);
+}
+
+// Steps that are so few that a window is told late in the next, or in a hurry after it.
+TEST(TextureReadout, AgreesAfterItsHistoryWithOneThatHasAlwaysRun) {
+    const auto skin = skin_of_64();
+    const auto events = slid_over(skin, {2, 40, 10}, 20, 2.4);
+    for (const Duration step : {5ms, 20ms, 80ms})
+        for (const Duration start : {400ms, 480ms, 560ms, 640ms, 720ms}) {
+            TextureReadout always(skin), later(skin);
+            int compared = 0;
+            for (Duration begin{}; begin < 2400ms; begin += step) {
+                const Duration end = begin + step;
+                hear_span(always, events, begin, end);
+                const auto told = always.step(at(end));
+                if (begin == start) later.restart(at(start));
+                if (begin < start) continue;
+                hear_span(later, events, begin, end);
+                const auto told_later = later.step(at(end));
+                if (begin < start + later.history()) continue;
+                EXPECT_EQ(told_later, told) << start.count() << " " << step.count() << " " << end.count();
+                compared += told.has_value();
+            }
+            EXPECT_GE(compared, 1);
+        }
 }
 
 TEST(TextureReadout, CountsTheWindowsOfARunAndKeepsTheLastPeriod) {
