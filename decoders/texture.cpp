@@ -112,9 +112,8 @@ void TextureReadout::restart(TimePoint start) noexcept {
 }
 
 std::optional<PatchTexture> TextureReadout::step(TimePoint) noexcept {
-    const std::optional<PatchTexture> earlier = std::exchange(told_, std::nullopt);
-    advance(work_a_step);
-    return earlier ? earlier : std::exchange(told_, std::nullopt);
+    if (!told_) advance(work_a_step);
+    return std::exchange(told_, std::nullopt);
 }
 
 TextureReadout::Snapshot TextureReadout::snapshot() const {

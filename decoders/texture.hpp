@@ -16,8 +16,8 @@
 
 namespace afferent {
 
-// Time is divided into windows, which begin at multiples of their length. Of each of them it tells the wave
-// in which afferents fire (wave_fit.hpp), and by how much the rates of neighbours differ
+// Time is divided into windows, which begin at multiples of their length. For each window the read-out tells
+// the wave in which afferents fire (wave_fit.hpp), and by how much the rates of neighbours differ
 // (spatial_variation.hpp).
 //
 // A window ends once no span of it comes any more. Its fit is spread over the steps that follow: each does
@@ -47,7 +47,7 @@ class TextureReadout {
     static constexpr std::size_t fewest = 24;
     // The fit takes a time that grows with the square of the number.
     static constexpr std::size_t most = 256;
-    // Takes some 0.2 ms.
+    // This work takes some 0.2 ms.
     static constexpr std::size_t work_a_step = 200'000;
 
     struct Progress {

@@ -11,8 +11,8 @@ namespace afferent {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
-constexpr double lag_s = 0.5e-3;
 constexpr std::uint32_t lag_ns = 500'000;
+constexpr double lag_s = lag_ns / 1e9;
 constexpr double steps_a_hertz_second = 4;  // of frequency, in the resolution of the window
 constexpr std::size_t powers_at_once = 4;
 // A maximum is higher than the power below it, so that this one is below fewest_periods.

@@ -9,7 +9,7 @@ namespace afferent {
 // about a multiplication and an addition.
 class WorkBudget {
   public:
-    // Of a sine and a cosine.
+    // The work of a sine and a cosine together.
     static constexpr std::size_t sine = 24;
 
     explicit WorkBudget(std::size_t most) noexcept : most_(most) {}

@@ -186,10 +186,10 @@ Result<std::span<const Code>> PacketReceiver::foresee_from_reference(const proto
                                                                      const Span& span) {
     // Unless all goes well, that is to be told.
     acknowledge_due_ = true;
-    // It tells of silence, and names no reference to go on from.
+    // The packet tells of silence, but names no reference from which the receiver could go on.
     if (!foresees_ && packet.payload().empty()) return std::span<const Code>();
     Result<std::span<const Code>> codes = told_from_reference(packet, span);
-    // A sender that has not moved the reference for too long has to begin anew.
+    // If the sender has left the reference in one place for too long, it has to begin anew.
     foresees_ = codes.has_value() && reference_->fill() <= 1;
     if (!foresees_) return codes;
     has_all_parts_ = packet.part() == 0 || (has_all_parts_ && !span.has_gap());

@@ -418,7 +418,7 @@ TEST(TextureReadout, DoesTheWorkOfOneStepInEach) {
     EXPECT_EQ(told.steps, static_cast<int>(steps));
 }
 
-// Of five windows, with so many steps in each as are given.
+// Returns the windows that are told in 2.8 s if each window has this many steps.
 std::vector<PatchTexture> told_in(int steps_a_window, std::uint64_t& dropped) {
     const auto skin = skin_of_64();
     const auto events = slid_over(skin, {2, 40, 10}, 16, 2);
@@ -446,8 +446,8 @@ TEST(TextureReadout, TellsEachWindowWhereStepsAreFew) {
     }
 }
 
-// The first window is completed when the second ends, and the second, which is short and has no spikes, in
-// the step in which the first is taken.
+// The first window is completed when the second ends. The fit of the second, which has no spikes, takes one
+// step, and must not replace the first before that is taken.
 TEST(TextureReadout, TellsTwoWindowsThatAreCompleteOneAfterTheOther) {
     auto skin = skin_of_64();
     skin.window = 20ms;

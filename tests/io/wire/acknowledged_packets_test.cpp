@@ -480,15 +480,14 @@ TEST(AcknowledgedPackets, AfterOneThatCannotBeReadAreKnownAlone) {
     PacketReceiver receiver(acknowledged(20));
     for (const std::uint32_t begin : {0U, 1U, 2U})
         ASSERT_TRUE(receiver.receive(span_told_from({begin, true}, begin)));
-    EXPECT_EQ(known_and_not(acknowledged_by(receiver)), std::vector<std::uint32_t>{});
+    EXPECT_FALSE(acknowledged_by(receiver)) << "they tell of no events";
     proto::Envelope unreadable = span_told_from({3, true}, 3);
     unreadable.mutable_payload()->append(40, '\xff');
     ASSERT_FALSE(receiver.receive(unreadable));
     EXPECT_TRUE(asks_for_a_new_begin(acknowledged_by(receiver)));
     std::string event_at_once;
     Packetizer packetizer(acknowledged(20));
-    std::vector<Event> events{{at(0s), 7}};
-    packetizer.push(events);
+    packetizer.push(std::vector<Event>{{at(0s), 7}});
     packetizer.close(at(5ms),
                      [&](const proto::Envelope& packet) { event_at_once = packet.payload().substr(1); });
     proto::Envelope again = span_told_from({4, true}, 4);
@@ -497,7 +496,7 @@ TEST(AcknowledgedPackets, AfterOneThatCannotBeReadAreKnownAlone) {
     EXPECT_EQ(known_and_not(acknowledged_by(receiver)), (std::vector<std::uint32_t>{1, 4}));
 }
 
-// The receiver records nothing of what lies between, and asks the sender to begin anew.
+// The receiver does not record the spans in between. It asks the sender to begin anew.
 TEST(AcknowledgedPackets, FarAheadTakeNoMemory) {
     constexpr std::uint64_t far = std::uint64_t{1} << 38;
     PacketReceiver silent(acknowledged(20));
