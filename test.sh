@@ -138,8 +138,10 @@ else
     # Tests of the project, of its package and of its manual build or read other things than the code under the sanitizers,
     # and a benchmark's own run adds nothing to the tests of its parts. In the last ones nearly all of the time goes into
     # Verilator, yosys, frama-c and compilers.
-    begin_tests debug --label-exclude '^(project|package)$' --exclude-regex \
-        '^bench\.Quick|^apps[.](Manual|Documentation)|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow|FindEachChange'
+    elsewhere='^bench\.Quick|^apps[.](Manual|Documentation)|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow|FindEachChange'
+    # Whole scenes again and again, by code that other tests of apps, faults and studies run under the sanitizers.
+    again='^apps[.](Replay[.](With|Writes|Tells|OfTwo|OfAHand)|TrialCommand[.][^K]|TwoProcesses[.]InLockstepLose|Program[.]RunsTheCommands)|^faults[.]Over/Processes.*/(tcp|udp)( |$)'
+    begin_tests debug --label-exclude '^(project|package)$' --exclude-regex "$elsewhere|$again"
     build tsan runtime_tests threads_tests
     end_tests
     begin_tests tsan

@@ -47,14 +47,10 @@ AFFERENT_FILTER=$PWD/docs/site/as_doxygen.sh
 AFFERENT_SITE=$site
 export AFFERENT_HEADERS AFFERENT_FILTER AFFERENT_SITE
 rm -rf "$AFFERENT_HEADERS"
-# Those of every component; one that is not there yet is left out.
-for folder in runtime neurons encoders decoders io hand scene engine nodes studies view; do
-    [ -d $folder ] || continue
-    find $folder -name '*.hpp' -o -name '*.h' | while read -r header; do
-        mkdir -p "$AFFERENT_HEADERS/afferent/$(dirname "$header")"
-        cp "$header" "$AFFERENT_HEADERS/afferent/$header"
-    done
-done
+mkdir -p "$AFFERENT_HEADERS/afferent"
+# Those of every component.
+find runtime neurons encoders decoders io hand scene engine nodes studies view '(' -name '*.hpp' -o -name '*.h' ')' \
+    -exec cp --parents -t "$AFFERENT_HEADERS/afferent" {} +
 doxygen docs/site/Doxyfile
 # It links to a list of nested classes on pages that have none, as those are private.
 grep -L 'id="nested-classes"' "$site"/interfaces/*.html | xargs -r sed -i '\|^<a href="#nested-classes">|d'

@@ -82,6 +82,16 @@ class ExportedChip {
         text.replace(at, std::string(change.from).size(), change.to);
     }
 
+    // What a check says of it with the change, which is taken back afterwards.
+    template <class Check>
+    std::string once_changed(const Change& change, const std::string& name, const Check& check) {
+        const std::vector<ExportedFile> unchanged = files_;
+        make(change, name);
+        const std::string said = check(*this);
+        files_ = unchanged;
+        return said;
+    }
+
     // Runs a command there. Empty: it succeeded; otherwise what it said.
     std::string failure_of(const std::string& command) {
         for (const ExportedFile& file : files_) std::ofstream(folder_ / file.name) << file.text;

@@ -127,27 +127,18 @@ const Change changes_of_core[] = {
 
 TEST(VerilogExport, IsNotEqualOnceItsArithmeticIsChanged) {
     SKIP_WITHOUT("iverilog");
-    struct Case {
-        ChipNeurons neurons;
-        VectorLength length;
-    };
     // Until g is as large as it can be; with so much adaptation that it takes all of v at a tick; and many
     // that fire at once.
-    const Case cases[] = {
-        {chip_below_e_k("0.03"), {.busy = 1200, .silent = 1, .read = 0}},
-        {chip_below_e_k("2"), short_enough},
-        {chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1, .read = 0}}};
-    for (const Case& each : cases) {
-        ExportedChip chip = exported_verilog(each.neurons, each.length);
-        EXPECT_EQ(simulated(chip), "");
-    }
+    ExportedChip chips[] = {
+        exported_verilog(chip_below_e_k("0.03"), {.busy = 1200, .silent = 1, .read = 0}),
+        exported_verilog(chip_below_e_k("2")),
+        exported_verilog(chip_of({"tick_us: 1000"}, "delta_g: 0", 8), {.busy = 60, .silent = 1, .read = 0})};
+    for (ExportedChip& chip : chips) EXPECT_EQ(simulated(chip), "");
     for (const Change& change : changes_of_core) {
         std::string said;
-        for (const Case& each : cases) {
+        for (ExportedChip& chip : chips) {
             if (said.find("differ") != std::string::npos) break;
-            ExportedChip chip = exported_verilog(each.neurons, each.length);
-            chip.make(change, "afferent_chip.v");
-            said += simulated(chip);
+            said += chip.once_changed(change, "afferent_chip.v", simulated);
         }
         EXPECT_NE(said.find("differ"), std::string::npos) << change.from << " -> " << change.to << "\n"
                                                           << said;

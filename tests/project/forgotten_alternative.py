@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """An alternative of a scene that is added in its header alone does not compile where it is forgotten.
 
-forgotten_alternative.py SOURCE INCLUDE GENERATED CXX [LIST...]: adds a dummy to each list, in a copy of its one header,
-and compiles the sources that have to know it. Each has to refuse it.
+forgotten_alternative.py SOURCE INCLUDE GENERATED CXX: adds a dummy to each list, in copies of their headers, and compiles
+the sources that have to know them. Each source has to refuse its dummy.
 """
 
 import pathlib
@@ -12,62 +12,61 @@ import subprocess
 import sys
 import tempfile
 
-# The header, the list in it, a dummy that has all that a header asks of its kind, and the sources that visit the list.
-DUMMY_FIELDS = """struct Dummy {
+# A dummy has all that a header asks of its kind.
+DUMMY_FIELDS = """struct {name} {{
     static constexpr const char* alternative = "dummy";
-    bool operator==(const Dummy&) const = default;
-    static void fields(auto&, auto&&) {}
-};
+    bool operator==(const {name}&) const = default;
+    static void fields(auto&, auto&&) {{}}
+}};
 """
-DUMMY_READOUT = """struct Dummy {
+DUMMY_NEURON = """struct {name} {{
+    bool operator==(const {name}&) const = default;
+}};
+"""
+DUMMY_READOUT = """struct {name} {{
     static constexpr const char* table = "dummies";
-    TimePoint time{};
-    PatchIndex patch{};
-    void columns(auto&& f) const {
+    TimePoint time{{}};
+    PatchIndex patch{{}};
+    void columns(auto&& f) const {{
         f("time", time);
         f("patch", patch);
-    }
-};
+    }}
+}};
 """
-DUMMY_NEURON = """struct Dummy {
-    bool operator==(const Dummy&) const = default;
-};
-"""
+# The dummy, the header, the list in it, and the sources that visit the list.
 LISTS = {
-    "neuron": ("neurons/parameters.hpp", "using NeuronModel = std::variant<", DUMMY_NEURON,
-               ["neurons/models.cpp", "neurons/rate.cpp", "decoders/interval_drive.cpp"]),
-    "encoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS,
-                ["scene/encoder.cpp"]),
-    "source": ("scene/source.hpp", "using Source =\n    std::variant<", DUMMY_FIELDS,
-               ["scene/source.cpp", "nodes/coprocessor_end.cpp"]),
-    "transport": ("scene/link.hpp", "using Transport = std::variant<", DUMMY_FIELDS,
-                  ["scene/link.cpp", "nodes/hello.cpp"]),
-    "decoder": ("scene/decoder.hpp", "    std::variant<SlidingWindow", DUMMY_FIELDS, ["scene/decoder.cpp"]),
-    "output": ("scene/output.hpp", "using Output = std::variant<", DUMMY_FIELDS,
-               ["scene/output.cpp", "nodes/outputs.cpp"]),
-    "distribution": ("scene/afferents.hpp", "using Distribution = std::variant<", DUMMY_FIELDS,
-                     ["scene/afferents.cpp"]),
-    "outline": ("scene/afferents.hpp", "    std::variant<Rectangle", DUMMY_FIELDS, ["scene/afferents.cpp"]),
-    # A read-out needs nothing but its columns.
-    "read-out": ("decoders/readout.hpp", "using PatchReadout = std::variant<", DUMMY_READOUT, []),
+    "DummyNeuron": ("neurons/parameters.hpp", "using NeuronModel = std::variant<", DUMMY_NEURON,
+                    ["neurons/models.cpp", "neurons/rate.cpp", "decoders/interval_drive.cpp"]),
+    "DummyEncoder": ("scene/encoder.hpp", "using Encoder = std::variant<", DUMMY_FIELDS, ["scene/encoder.cpp"]),
+    "DummySource": ("scene/source.hpp", "using Source =\n    std::variant<", DUMMY_FIELDS,
+                    ["scene/source.cpp", "nodes/coprocessor_end.cpp"]),
+    "DummyTransport": ("scene/link.hpp", "using Transport = std::variant<", DUMMY_FIELDS,
+                       ["scene/link.cpp", "nodes/hello.cpp"]),
+    "DummyDecoder": ("scene/decoder.hpp", "    std::variant<SlidingWindow", DUMMY_FIELDS, ["scene/decoder.cpp"]),
+    "DummyOutput": ("scene/output.hpp", "using Output = std::variant<", DUMMY_FIELDS,
+                    ["scene/output.cpp", "nodes/outputs.cpp"]),
+    "DummyDistribution": ("scene/afferents.hpp", "using Distribution = std::variant<", DUMMY_FIELDS,
+                          ["scene/afferents.cpp"]),
+    "DummyOutline": ("scene/afferents.hpp", "    std::variant<Rectangle", DUMMY_FIELDS, ["scene/afferents.cpp"]),
 }
-GENERIC = {"read-out": ["studies/kept_results.cpp", "apps/readout_tables.cpp"]}
+# A read-out needs nothing but its columns: these sources take it as it is.
+READOUT = ("decoders/readout.hpp", "using PatchReadout = std::variant<", DUMMY_READOUT,
+           ["studies/kept_results.cpp", "apps/readout_tables.cpp"])
 
 
-def with_dummy(text: str, beginning: str, dummy: str) -> str:
+def with_dummy(text: str, name: str, beginning: str, dummy: str) -> str:
     """The header with the dummy before the list, or before the struct that has the list as a member, and in it."""
     at = text.index(beginning)
     end = text.index(">", at)
-    name = "Dummy"
     text = text[:end] + ", " + name + text[end:]
     before = at if beginning.startswith("using") else text.rindex("\nstruct ", 0, at) + 1
     comment = re.search(r"(?:^//[^\n]*\n)*\Z", text[:before], re.M)
     before = comment.start() if comment else before
-    return text[:before] + dummy + "\n" + text[before:]
+    return text[:before] + dummy.format(name=name) + "\n" + text[before:]
 
 
-def compile_together(compiler: list[str], source: pathlib.Path, files: list[str]) -> str:
-    """What the compiler says of these sources as one; empty where it accepts them."""
+def errors(compiler: list[str], source: pathlib.Path, files: list[str]) -> str:
+    """The compiler's errors in these sources as one unit; empty where it accepts them."""
     with tempfile.NamedTemporaryFile("w", suffix=".cpp") as together:
         together.writelines(f'#include "{source / file}"\n' for file in files)
         together.flush()
@@ -75,30 +74,42 @@ def compile_together(compiler: list[str], source: pathlib.Path, files: list[str]
     return done.stderr if done.returncode else ""
 
 
+def refuses(said: str, file: str, name: str) -> bool:
+    """Whether one of the errors was met in the file, or in what it instantiates, and names the dummy."""
+    # An error begins with the includes or instantiations that lead to it.
+    each = re.split(r"\n(?=In file included from|\S+: In |\S+: At )", said)
+    return any(f"{file}:" in error and name in error for error in each)
+
+
 def main() -> int:
     source = pathlib.Path(sys.argv[1]).resolve()
     base = [*shlex.split(sys.argv[4]), "-std=c++20", "-fsyntax-only", "-w", f"-isystem{sys.argv[3]}"]
-    include = [f"-I{sys.argv[2]}"]
+    include = f"-I{sys.argv[2]}"
     wrong = 0
-    for name in sys.argv[5:] or LISTS:
-        header, beginning, dummy, places = LISTS[name]
-        with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder:
+        for name, (header, beginning, dummy, _) in LISTS.items():
             copy = pathlib.Path(folder) / "afferent" / header
-            copy.parent.mkdir(parents=True)
-            copy.write_text(with_dummy((source / header).read_text(), beginning, dummy))
-            overlaid = [*base, f"-I{folder}", *include]
-            if places:
-                said = compile_together(overlaid, source, places)
-                # A refusal names what it refuses.
-                missing = [place for place in places if f"{place}:" not in said or "Dummy" not in said]
-            else:
-                missing = []
-            refused = compile_together(overlaid, source, GENERIC.get(name, []))
-        if missing or refused:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            text = (copy if copy.exists() else source / header).read_text()
+            copy.write_text(with_dummy(text, name, beginning, dummy))
+        # Names in anonymous namespaces are told apart within a folder.
+        places = [(place, name) for name, known in LISTS.items() for place in known[3]]
+        for part in sorted({place.split("/")[0] for place, _ in places}):
+            files = sorted({place for place, _ in places if place.startswith(part + "/")})
+            said = errors([*base, f"-I{folder}", include], source, files)
+            for place, name in places:
+                if place in files and not refuses(said, place, name):
+                    wrong += 1
+                    print(f"{name} is accepted by {place}, where there was said:\n{said}")
+    header, beginning, dummy, places = READOUT
+    with tempfile.TemporaryDirectory() as folder:
+        copy = pathlib.Path(folder) / "afferent" / header
+        copy.parent.mkdir(parents=True)
+        copy.write_text(with_dummy((source / header).read_text(), "DummyReadout", beginning, dummy))
+        said = errors([*base, f"-I{folder}", include], source, places)
+        if said:
             wrong += 1
-            print(f"{name}: a dummy is accepted by {missing}; refused: {refused}")
-        else:
-            print(f"{name}: {header}, then " + (", ".join(places) or "nothing else"))
+            print(f"DummyReadout is refused:\n{said}")
     return 1 if wrong else 0
 
 
