@@ -32,7 +32,7 @@ std::string direction_of(const Scene& scene) {
 std::optional<PopulationPicture::Passing> passing_of(const Scene& scene) {
     const auto* touch = touch_of(scene.source);
     if (!touch || touch->edge.size() != 1 || !touch->indenter.empty() || !touch->grating.empty() ||
-        !touch->texture.empty() || !touch->grasp.empty())
+        !touch->dots.empty() || !touch->texture.empty() || !touch->grasp.empty())
         return std::nullopt;
     const scene::Edge& edge = touch->edge.front();
     if (edge.speed_mm_per_s == 0) return std::nullopt;

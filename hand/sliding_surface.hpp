@@ -1,4 +1,4 @@
-// A surface that slides under a pad of skin: a grating, or a texture.
+// A surface that slides under a pad of skin: a grating, dots, or a texture.
 #pragma once
 
 #include <algorithm>

@@ -1,12 +1,10 @@
 #include "afferent/hand/texture.hpp"
 
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "afferent/hand/random.hpp"
-#include "afferent/hand/smooth_table.hpp"
 
 namespace afferent {
 namespace {
@@ -17,12 +15,6 @@ constexpr double pixels_a_wave = 4;  // of the shortest
 std::size_t pixels_of(const Roughness& roughness) {
     return static_cast<std::size_t>(
         std::ceil(pixels_a_wave * longest_waves_a_side * roughness.longest_mm / roughness.shortest_mm));
-}
-
-// By how much the spline through a wave is flatter at the pixels than its coefficients are.
-double spline_at_pixels(std::int64_t periods, std::size_t side) {
-    const double turn = 2 * std::numbers::pi * static_cast<double>(periods) / static_cast<double>(side);
-    return (2 + std::cos(turn)) / 3;
 }
 
 // The heights are a sum of waves with whole numbers of periods a side, first summed along a row for each
@@ -55,9 +47,9 @@ std::vector<double> coefficients_of(const Roughness& roughness, const Aperture& 
             const double felt =
                 Aperture::transform(2 * std::numbers::pi * periods * aperture.pitch_mm() / side_mm);
             // Where an aperture turns a wave over, the factor is negative, which polar() does not take.
-            const Complex amplitude = height * felt /
-                                      (spline_at_pixels(down, side) * spline_at_pixels(along, side)) *
-                                      std::polar(1.0, phase);
+            const Complex amplitude =
+                height * felt / (PeriodicMap::at_pixels(down, side) * PeriodicMap::at_pixels(along, side)) *
+                std::polar(1.0, phase);
             for (std::size_t x = 0; x < side; ++x)
                 rows[static_cast<std::size_t>(down) * side + x] += amplitude * wave(along, x);
         }
@@ -73,38 +65,9 @@ std::vector<double> coefficients_of(const Roughness& roughness, const Aperture& 
     return coefficients;
 }
 
-// The pixels whose coefficients count at a place on an axis, and their weights.
-struct Pixels {
-    std::array<std::size_t, 4> index;
-    std::array<double, 4> weights;
-
-    Pixels(double mm, double pixel_mm, std::size_t side) noexcept {
-        const double pixels = mm / pixel_mm;
-        const double repeats = std::floor(pixels / static_cast<double>(side));
-        const auto [first, fraction] = split(pixels - repeats * static_cast<double>(side), side - 1);
-        weights = spline_weights(fraction);
-        for (std::size_t i = 0; i < 4; ++i) index[i] = (first + side - 1 + i) % side;
-    }
-};
-
 }  // namespace
 
 Texture::Texture(const Roughness& roughness, const Aperture& aperture)
-    : side_(pixels_of(roughness)),
-      pixel_mm_(longest_waves_a_side * roughness.longest_mm / static_cast<double>(side_)),
-      coefficients_(coefficients_of(roughness, aperture)) {}
-
-double Texture::mean_height_mm(double u_mm, double v_mm) const noexcept {
-    const Pixels along(u_mm, pixel_mm_, side_);
-    const Pixels down(v_mm, pixel_mm_, side_);
-    double sum = 0;
-    for (std::size_t j = 0; j < 4; ++j) {
-        const double* const from = &coefficients_[down.index[j] * side_];
-        double of_row = 0;
-        for (std::size_t i = 0; i < 4; ++i) of_row += along.weights[i] * from[along.index[i]];
-        sum += down.weights[j] * of_row;
-    }
-    return sum;
-}
+    : mean_heights_mm_(longest_waves_a_side * roughness.longest_mm, coefficients_of(roughness, aperture)) {}
 
 }  // namespace afferent

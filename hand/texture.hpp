@@ -2,9 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
-#include <vector>
 
+#include "afferent/hand/periodic_map.hpp"
 #include "afferent/hand/sliding_surface.hpp"
 
 namespace afferent {
@@ -14,9 +13,9 @@ class Texture {
     // A square of four of the longest waves. longest_mm is at most 32 times shortest_mm.
     Texture(const Roughness& roughness, const Aperture& aperture);
 
-    double side_mm() const noexcept { return static_cast<double>(side_) * pixel_mm_; }
+    double side_mm() const noexcept { return mean_heights_mm_.side_mm(); }
     // The height around a place of the surface, as an element feels it.
-    double mean_height_mm(double u_mm, double v_mm) const noexcept;
+    double mean_height_mm(double u_mm, double v_mm) const noexcept { return mean_heights_mm_(u_mm, v_mm); }
 
     // Where the mean height lifts the skin off, the pressure is 0.
     double mean_kpa(double smooth_kpa, double u_mm, double v_mm, const Pad& pad) const noexcept {
@@ -24,9 +23,7 @@ class Texture {
     }
 
   private:
-    std::size_t side_;
-    double pixel_mm_;
-    std::vector<double> coefficients_;  // of cubic splines through the mean heights around pixels, row by row
+    PeriodicMap mean_heights_mm_;
 };
 
 static_assert(Relief<Texture>);

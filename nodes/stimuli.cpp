@@ -46,6 +46,8 @@ std::vector<AnyStimulus> stimuli_of(const Plan& plan, const Aperture& aperture) 
     }
     for (const scene::Grating& grating : touch->grating)
         surface(Grating(grating.period_mm, grating.ridge_mm, grating.depth_mm, aperture), grating);
+    for (const scene::Dots& dots : touch->dots)
+        surface(Dots(dots.spacing_mm, dots.diameter_mm, dots.depth_mm, aperture), dots);
     for (const scene::Texture& texture : touch->texture) surface(Texture(texture, aperture), texture);
     for (const scene::Grasp& grasp : touch->grasp) add_grasp(plan, grasp, touch->skin, aperture, stimuli);
     return stimuli;

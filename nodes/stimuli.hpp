@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "afferent/hand/dots.hpp"
 #include "afferent/hand/grasp_contact.hpp"
 #include "afferent/hand/grating.hpp"
 #include "afferent/hand/indenter.hpp"
@@ -16,7 +17,7 @@ namespace afferent {
 
 // To add a stimulus, include its header above and name it here.
 using AnyStimulus = std::variant<SlidingEdge, Indenter, IndenterWave, SlidingSurface<Grating>,
-                                 SlidingSurface<Texture>, GraspContact>;
+                                 SlidingSurface<Dots>, SlidingSurface<Texture>, GraspContact>;
 
 // As the elements of one aperture feel them, in the order of the scene's kinds; each contact of a grasp is
 // one. None where the source is another.

@@ -84,7 +84,6 @@ Written resolve_shorthands(proto::Scene& scene) {
     scene.clear_every_patch();
     if (scene.decoder().has_window_ms()) {
         const double window_ms = scene.decoder().window_ms();
-        scene.mutable_decoder()->clear_window_ms();
         if (scene.decoder().kind_case() == proto::Decoder::KIND_NOT_SET)
             scene.mutable_decoder()->mutable_sliding_window()->set_window_ms(window_ms);
     }
@@ -104,7 +103,7 @@ std::optional<std::pair<std::string, std::string>> wrong_kinds(const proto::Patc
 
 bool has_stimuli(const proto::Source& source) {
     return source.has_skin() || source.edge_size() + source.indenter_size() + source.grating_size() +
-                                        source.texture_size() + source.grasp_size() >
+                                        source.dots_size() + source.texture_size() + source.grasp_size() >
                                     0;
 }
 

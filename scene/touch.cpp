@@ -12,6 +12,10 @@ void check_surface(const scene::Grating& grating) {
     require(grating.ridge_mm <= grating.period_mm, "ridge_mm", "at most period_mm", grating.ridge_mm);
 }
 
+void check_surface(const scene::Dots& dots) {
+    require(dots.diameter_mm <= dots.spacing_mm, "diameter_mm", "at most spacing_mm", dots.diameter_mm);
+}
+
 void check_surface(const scene::Texture& texture) {
     constexpr double most_lengths = 32;  // each costs memory by its square
     require(texture.shortest_mm <= texture.longest_mm, "shortest_mm", "at most longest_mm",
@@ -48,13 +52,15 @@ void check_points(const std::vector<scene::ProfilePoint>& points, const std::str
 
 void check(const scene::Touch& touch, const Scene& scene, SceneFaults& faults) {
     if (touch == scene::Touch{.skin = touch.skin})
-        faults.add({"source", "", "source has no stimulus: an edge, indenter, grating, texture or grasp"});
+        faults.add(
+            {"source", "", "source has no stimulus: an edge, indenter, grating, dots, texture or grasp"});
     const auto check_each = [&](const auto& stimuli, const char* name, auto&& rule) {
         for (std::size_t i = 0; i < stimuli.size(); ++i)
             faults.check("source." + std::string(name) + "[" + std::to_string(i) + "]", "",
                          [&] { rule(stimuli[i]); });
     };
     check_each(touch.grating, "grating", [](const auto& grating) { check_surface(grating); });
+    check_each(touch.dots, "dots", [](const auto& dots) { check_surface(dots); });
     check_each(touch.texture, "texture", [](const auto& texture) { check_surface(texture); });
     check_each(touch.grasp, "grasp", [&](const auto& grasp) { check_grasp(grasp, scene.patches); });
 }
@@ -62,6 +68,7 @@ void check(const scene::Touch& touch, const Scene& scene, SceneFaults& faults) {
 double direction_deg(const scene::Touch& touch) {
     if (!touch.edge.empty()) return touch.edge.front().direction_deg;
     if (!touch.grating.empty()) return touch.grating.front().direction_deg;
+    if (!touch.dots.empty()) return touch.dots.front().direction_deg;
     return touch.texture.empty() ? 0 : touch.texture.front().direction_deg;
 }
 

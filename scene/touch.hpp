@@ -67,6 +67,26 @@ struct Grating {
     }
 };
 
+struct Dots {
+    double spacing_mm = 3;
+    double diameter_mm = 0.7;
+    double depth_mm = 0.5;
+    Pad pad = {};
+    double direction_deg = 0;
+    double speed_mm_per_s = 20;
+    Press press = {};
+    bool operator==(const Dots&) const = default;
+    static void fields(auto& self, auto&& f) {
+        f("pad", self.pad);
+        f(within("direction_deg", -360, 360), self.direction_deg);
+        f(within("speed_mm_per_s", 0, 10000), self.speed_mm_per_s);
+        f(within("spacing_mm", 0.01, 1000), self.spacing_mm);
+        f(within("diameter_mm", 0.001, 1000), self.diameter_mm);
+        f(within("depth_mm", 0, 1000), self.depth_mm);
+        f("press", self.press);
+    }
+};
+
 struct Texture : Roughness {
     Pad pad = {};
     double direction_deg = 0;
@@ -120,6 +140,7 @@ struct Touch {
     std::vector<Edge> edge = {};
     std::vector<Indenter> indenter = {};
     std::vector<Grating> grating = {};
+    std::vector<Dots> dots = {};
     std::vector<Texture> texture = {};
     std::vector<Grasp> grasp = {};
     bool operator==(const Touch&) const = default;
@@ -128,6 +149,7 @@ struct Touch {
         f("edge", self.edge);
         f("indenter", self.indenter);
         f("grating", self.grating);
+        f("dots", self.dots);
         f("texture", self.texture);
         f("grasp", self.grasp);
     }

@@ -44,6 +44,7 @@ class Source(TypedDict, total=False):
     grating: Sequence[Grating]
     texture: Sequence[Texture]
     grasp: Sequence[Grasp]
+    dots: Sequence[Dots]
     skin: Skin
 
 
@@ -315,6 +316,16 @@ class Texture(TypedDict, total=False):
 class Grasp(TypedDict, total=False):
     point: Sequence[ProfilePoint]
     contact: Sequence[Contact]
+
+
+class Dots(TypedDict, total=False):
+    pad: Pad
+    direction_deg: float
+    speed_mm_per_s: float
+    spacing_mm: float
+    diameter_mm: float
+    depth_mm: float
+    press: Press
 
 
 class Skin(TypedDict, total=False):

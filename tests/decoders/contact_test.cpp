@@ -8,6 +8,7 @@
 
 #include "afferent/decoders/readouts.hpp"
 #include "afferent/runtime/parameter_error.hpp"
+#include "afferent/runtime/summary.hpp"
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {
@@ -200,6 +201,35 @@ TEST(ContactReadout, RefusesToTellNothing) {
     auto nowhere = skin();
     nowhere.elements.clear();
     EXPECT_THROW((void)ContactReadout(nowhere), ParameterError);
+}
+
+// Elements at full scale may feel as much again as they say.
+TEST(ContactReadout, IsLessSureOfAForceThatReachesFullScale) {
+    const Press press{0.05, 0.4, -0.3, 2};
+    const auto sigma_n = [&](double full_scale_n_per_mm2) {
+        auto parameters = skin();
+        for (auto& afferent : parameters.afferents)
+            afferent.group.full_scale_n = full_scale_n_per_mm2 / unit_n_per_mm2;
+        ContactReadout readout(parameters);
+        return contacts(readout, fired_under(parameters, press, 100ms, 1s, 600ms), 0ms, 600ms)
+            .back()
+            .estimate.force_sigma_n;
+    };
+    const double far_below_n = sigma_n(0.5);
+    EXPECT_LT(far_below_n, 0.1 * press.force_n());
+    EXPECT_GT(sigma_n(0.052), 3 * far_below_n) << "0.05 is nearly that";
+}
+
+TEST(ContactReadout, SumsUpARunByItsLargestForce) {
+    ContactReadout::Totals totals;
+    for (const double force_n : {0.5, 2.0, 1.0}) {
+        PatchContact contact;
+        contact.estimate.force_n = force_n;
+        totals.add(contact);
+    }
+    Summary summary;
+    totals.add_to(summary, "thumb");
+    EXPECT_EQ(summary["largest_contact_force_n"]["thumb"].number(), 2.0);
 }
 
 }  // namespace

@@ -86,6 +86,15 @@ TEST(ExponentialRate, TellsWhatASpikeChangesWhileLessThanHalfIsKnown) {
     EXPECT_LT(told, 90);
 }
 
+// One spike 200 ms ago allows a rate of 5 Hz, beyond the memory of the kernel; who has never fired may be at
+// rest.
+TEST(ExponentialRate, AllowsARateOnlyToWhoHasFired) {
+    ExponentialRate rate({true, true}, tau, true);
+    rate.observe(at(0ms), at(300ms), std::vector<Event>{{at(100ms), 0}});
+    EXPECT_NEAR(rate.at(at(300ms)).allowed_hz_of(0), 5, 1e-9);
+    EXPECT_EQ(rate.at(at(300ms)).allowed_hz_of(1), 0);
+}
+
 TEST(ExponentialRate, DecaysAfterTheLastSpike) {
     ExponentialRate rate({true}, tau, false);
     rate.observe(at(0ms), at(1s), regular_train(0, 5ms, 10ms, 1s));

@@ -83,6 +83,7 @@ TEST(Exponential, KnowsTheLowestRateThatItFindsInARegularTrain) {
         EXPECT_NEAR(parameters.trough_hz(rate_hz), sum_hz, 1e-9 * sum_hz) << rate_hz;
     }
     EXPECT_EQ(parameters.trough_hz(0), 0);
+    EXPECT_NEAR(parameters.window_s(), 0.04 * std::sqrt(2.0), 1e-12);
 }
 
 TEST(Exponential, RefusesATimeConstantOfZeroAndASnapshotOfAnotherPooling) {

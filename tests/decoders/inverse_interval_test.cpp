@@ -24,6 +24,20 @@ TEST(InverseInterval, IsTheReciprocalOfTheLastInterval) {
     EXPECT_NEAR(group_with(2).rate_hz(RateKind::steady, estimate.force_n), 50, 0.05);
 }
 
+// Just after a spike, sigma is by how much the rate has changed from the interval before, and at least by
+// what silence allows.
+TEST(InverseInterval, IsAsUncertainAsTheRateHasChanged) {
+    const auto sigma_after_n = [](Duration second) {
+        InverseInterval decoder({}, fingertip());
+        decoder.observe(at(0ms), at(41ms) + second,
+                        std::vector<Event>{{at(20ms), 0}, {at(40ms), 0}, {at(40ms) + second, 0}});
+        return decoder.estimate(at(41ms) + second).sigma_n;
+    };
+    const double held_n = sigma_after_n(20ms);
+    EXPECT_GT(sigma_after_n(14ms), 3 * held_n) << "50 to 71 Hz";
+    EXPECT_GT(sigma_after_n(10ms), 1.5 * sigma_after_n(14ms)) << "50 to 100 Hz";
+}
+
 TEST(InverseInterval, KnowsNoRateBeforeTheSecondSpike) {
     InverseInterval decoder({}, fingertip());
     decoder.observe(at(0ms), at(20ms), std::vector<Event>{{at(10ms), 0}});

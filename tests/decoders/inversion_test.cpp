@@ -125,6 +125,21 @@ TEST(Inversion, IsAsUncertainAsTheFullScalesOfSaturatedSensorsDiffer) {
     EXPECT_LT(estimate.force_n + 2 * estimate.sigma_n, 10);
 }
 
+// Silence has told that the force is no longer one of full scale.
+TEST(Inversion, IsSaturatedNoLongerOnceSilenceTellsLess) {
+    DecodedAfferents one{.addresses = 1, .largest_grip_n = 50};
+    DecodedAfferents::Group group{LifParameters(), 2, rheobase_mv(LifParameters()) - 0.6};
+    group.full_scale_n = 8;
+    one.add(0, group, 1);
+    Inversion decoder({}, one);
+    decoder.observe(at(0ms), at(1s), fired(group, 1s, [](double) { return 8.0; }));
+    EXPECT_EQ(decoder.estimate(at(1s)).doubt, Doubt::saturated);
+    decoder.observe(at(1s), at(1s + 60ms), {});
+    const Estimate later = decoder.estimate(at(1s + 60ms));
+    EXPECT_NE(later.doubt, Doubt::saturated);
+    EXPECT_LT(later.force_n, 7);
+}
+
 TEST(Inversion, ADeadAfferentHasNextToNoWeight) {
     const DecodedAfferents two = afferents_like({}, 2);
     const auto events = fired(two.groups[0], 1s, [](double) { return 10.0; });
@@ -144,6 +159,24 @@ TEST(Inversion, KeepsTheAdaptationThroughALoss) {
     decoder.observe(at(800ms), at(1s), {heard, events.end()});
     // Without the spikes that were lost, it would be off by Δg W/k for each of them: 1 N for one.
     EXPECT_NEAR(decoder.estimate(at(1s)).force_n, 12, 0.5);
+}
+
+TEST(Inversion, DoesNotCountSpikesOfALostSpan) {
+    const DecodedAfferents afferents = afferents_like(adapting(), 1);
+    const auto events = fired(afferents.groups[0], 1s, [](double) { return 12.0; });
+    const auto heard = std::lower_bound(events.begin(), events.end(), Event{at(800ms), 0});
+    std::vector<Event> late = {{at(790ms), 0}};
+    late.insert(late.end(), heard, events.end());
+    Inversion without({}, afferents);
+    Inversion with({}, afferents);
+    for (Inversion* const decoder : {&without, &with}) {
+        decoder->observe(at(0ms), at(700ms),
+                         {events.begin(), std::lower_bound(events.begin(), heard, Event{at(700ms), 0})});
+        decoder->lose(at(700ms), at(800ms));
+    }
+    without.observe(at(800ms), at(1s), {heard, events.end()});
+    with.observe(at(780ms), at(1s), late);
+    EXPECT_EQ(with.estimate(at(1s)).force_n, without.estimate(at(1s)).force_n);
 }
 
 // The force before the silence is no longer expected after it.

@@ -120,6 +120,21 @@ TEST(Encoders, ReachTheBoundOfTheSecondDerivative) {
     });
 }
 
+// A force that rises at once reaches the bound of a force with its rate of change.
+TEST(Encoders, ReachTheBoundOfASuddenRise) {
+    const EncoderParameters parameters = DynamicSustained::Parameters{
+        .gain_mv_per_n = 1, .bias_mv = 0, .time = Seconds(0.05), .corner_hz = 10};
+    visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {
+        typename E::State state;
+        double most_mv = encoder.drive_mv(state, scene_start, 0);
+        for (int i = 1; i <= 2000; ++i)
+            most_mv = std::max(most_mv, encoder.drive_mv(state, scene_start + i * Duration(10'000), 3));
+        const double bound = largest_input(parameters, 3, Interval(0.01ms));
+        EXPECT_GT(most_mv, 0.5 * bound);
+        EXPECT_LE(most_mv, bound);
+    });
+}
+
 TYPED_TEST(EncoderLaws, RefuseAGainThatIsNotPositiveAndWhatIsNotFinite) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "afferent/hand/aperture.hpp"
+#include "afferent/hand/dots.hpp"
 #include "afferent/hand/grasp_contact.hpp"
 #include "afferent/hand/grating.hpp"
 #include "afferent/hand/indenter.hpp"
@@ -326,6 +327,62 @@ TEST(Grating, IsFeltUnderTheAperture) {
                 // A step of the border of a ridge holds up to 0.4 % of the aperture.
                 EXPECT_NEAR(grating.mean_kpa(1, u_mm, 0, flat), expected, 0.004)
                     << period_mm << ' ' << pitch_mm << ' ' << u_mm;
+            }
+        }
+}
+
+// With much between them only the dots bear, to a two-hundredth of the pressure where an aperture is as much
+// narrower than the spacing as here, in rows and columns that move with the surface.
+TEST(Dots, BearTheLoadInASquareArray) {
+    const double smooth_n = 0.012 * std::numbers::pi / 4 * 10 * 8 / 2;
+    for (const double pitch_mm : {0.1, 0.4}) {
+        const OnGrid all(sliding(Dots(0.8, 0.5, 5, Aperture(pitch_mm)), pitch_mm).at(after(0.3)), pitch_mm,
+                         80);
+        const double covered = std::numbers::pi * 0.25 * 0.25 / (0.8 * 0.8);
+        // A hundred dots do not average the paraboloid better than that.
+        EXPECT_NEAR(all.touched_n, covered * smooth_n, 0.02 * covered * smooth_n) << pitch_mm;
+    }
+    const auto smooth_kpa = [](double x_mm, double y_mm) {
+        return 12 * (1 - x_mm * x_mm / 25 - y_mm * y_mm / 16);
+    };
+    const auto surface = sliding(Dots(2, 0.6, 5, Aperture(fine_mm)));
+    for (const double time_s : {0.0, 0.04, 0.1}) {
+        const auto pressed = surface.at(after(time_s));
+        const double dot_mm = std::fmod(25 * time_s, 2);  // where a dot's middle is
+        for (const double x_mm : {dot_mm, dot_mm + 0.25, dot_mm - 2}) {
+            EXPECT_NEAR(kpa(pressed, {x_mm, 0}), smooth_kpa(x_mm, 0), 0.05) << x_mm;
+            EXPECT_NEAR(kpa(pressed, {x_mm, 2}), smooth_kpa(x_mm, 2), 0.05) << x_mm;
+        }
+        EXPECT_NEAR(kpa(pressed, {dot_mm + 0.35, 0}), 0, 0.05);
+        EXPECT_NEAR(kpa(pressed, {dot_mm, 0.35}), 0, 0.05);
+        EXPECT_NEAR(kpa(pressed, {dot_mm + 1, 1}), 0, 0.05);
+    }
+    // Between shallow dots the pressure is less by stiffness · depth.
+    EXPECT_NEAR(kpa(sliding(Dots(2, 0.6, 0.1, Aperture(fine_mm))).at(scene_start), {1, 1}),
+                smooth_kpa(1, 1) - 20 * 0.1, 0.05);
+}
+
+// The part of the aperture that lies on dots, as a sum over its places.
+TEST(Dots, AreFeltUnderTheAperture) {
+    constexpr Pad flat{.width_mm = 1000, .height_mm = 1000, .peak_kpa = 1, .stiffness_kpa_per_mm = 20};
+    for (const double spacing_mm : {0.5, 1.7, 6.0})
+        for (const double pitch_mm : {0.2, 1.0}) {
+            const double diameter_mm = 0.7 * spacing_mm;
+            const Dots dots(spacing_mm, diameter_mm, 5, Aperture(pitch_mm));
+            for (const Position& place : {Position{0, 0}, Position{0.31, 0.1}, Position{-2.2, 5.9}}) {
+                constexpr int steps = 1000;
+                double expected = 0;
+                for (int i = 0; i < steps; ++i)
+                    for (int k = 0; k < steps; ++k) {
+                        const double x = 5 * ((i + 0.5) / steps - 0.5);
+                        const double y = 5 * ((k + 0.5) / steps - 0.5);
+                        const double u_mm = std::remainder(place.x_mm + x * pitch_mm, spacing_mm);
+                        const double v_mm = std::remainder(place.y_mm + y * pitch_mm, spacing_mm);
+                        if (std::hypot(u_mm, v_mm) < diameter_mm / 2)
+                            expected += weight(x, y) * 25 / steps / steps;
+                    }
+                EXPECT_NEAR(dots.mean_kpa(1, place.x_mm, place.y_mm, flat), expected, 1e-3)
+                    << spacing_mm << ' ' << pitch_mm << ' ' << place.x_mm;
             }
         }
 }

@@ -31,6 +31,14 @@ TEST(LifParameters, NamesFieldRuleAndValue) {
     EXPECT_EQ(refusal({.refractory_ms = -1}), "refractory_ms must be >= 0, is -1");
 }
 
+TEST(LifParameters, AcceptsWhatIsAsLargeAsCanBe) {
+    EXPECT_EQ(refusal({.v_th_mv = 1e300}), "accepted");
+    EXPECT_EQ(refusal({.v_r_mv = -1e300, .e_k_mv = -1e300}), "accepted");
+    EXPECT_EQ(refusal({.v_th_mv = 1.1e300}), "v_th_mv must be at most 1e300 in size, is 1.1e+300");
+    EXPECT_EQ(refusal({.v_r_mv = -1.1e300}), "v_r_mv must be at most 1e300 in size, is -1.1e+300");
+    EXPECT_EQ(refusal({.e_k_mv = -1.1e300}), "e_k_mv must be at most 1e300 in size, is -1.1e+300");
+}
+
 TEST(LifParameters, RefusesWhatIsNotFinite) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -37,7 +37,7 @@ struct Rig {
     void run(Duration span) {
         for (const TimePoint end = now + span; now < end; now += 100us) {
             const MonotonicTime wall = wall_time(now);
-            if (steer) driver.follow({steer(), wall, wall});
+            if (steer) driver.follow({steer(), wall, wall_time(now - decoder_lag)});
             const auto request = driver.poll(wall);
             if (!cut && !request.empty()) emulator.receive(now, request);
             emulator.advance(now);
@@ -67,6 +67,7 @@ struct Rig {
     double force_n = 0;
     std::vector<double> forces;
     bool cut = false;
+    Duration decoder_lag = 0ms;  // by which what a command knows is older than the command
     double position_deg = 0;
     double fastest_deg = 0;  // within 0.1 ms
 };
@@ -321,6 +322,17 @@ TEST(AbilityHandDriver, MeasuresFromASampleToTheCommandThatKnowsIt) {
     const HandReadings readings = rig.readings();
     EXPECT_GT(readings.sample_to_command_p50, 0ms);
     EXPECT_LE(readings.sample_to_command_max, 2ms);
+}
+
+// Some ten samples wait in a ring, which comes round three times.
+TEST(AbilityHandDriver, MeasuresHowLongSamplesWaitForASlowDecoder) {
+    Rig rig;
+    rig.decoder_lag = 20ms;
+    rig.steer = [] { return 0.0; };
+    rig.run(2s);
+    const HandReadings readings = rig.readings();
+    EXPECT_GE(readings.sample_to_command_p50, 20ms);
+    EXPECT_LE(readings.sample_to_command_max, 23ms);
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ TEST(ChipReader, TellsNothingFromBeforeTheSceneBegins) {
     EXPECT_LT(heard.events.front().time, scene_start + 200ms);
     Heard later(-3s);
     later.reader.begin_at(scene_start + 1s);
+    EXPECT_EQ(later.reader.known_until(), scene_start + 1s);
     later.listening = false;
     later.run_for(3900ms);
     later.listening = true;
@@ -234,7 +235,10 @@ TEST(ChipReader, DoesNotTakeAnotherChipForTheScenes) {
     EXPECT_GT(heard.reader.report().unknown_packets, 100U);
     ASSERT_EQ(heard.notes.size(), 1U);
     EXPECT_NE(heard.notes[0].find("another chip than the scene's"), std::string::npos) << heard.notes[0];
-    EXPECT_NE(heard.notes[0].find("packets of 5000 us; here"), std::string::npos) << heard.notes[0];
+    EXPECT_NE(heard.notes[0].find("packets of 5000 us; here version " + std::to_string(wire_version) +
+                                  ", 5, 5000 us."),
+              std::string::npos)
+        << heard.notes[0];
     heard.chip.another = 0;
     heard.run_for(3s);
     EXPECT_GT(heard.events.size(), 100U) << "the right one has been put in";

@@ -362,6 +362,25 @@ TEST(StimulusSource, SharesTheGripAmongItsContacts) {
     }
 }
 
+// The skin has rows of 20 elements, half a millimetre wide, around (20, -30).
+TEST(StimulusSource, PutsAContactWhereItIsOnItsPatchOrOnTheMap) {
+    for (const char* const contact : {"patch: 'skin' x_mm: 2 y_mm: 0.5", "x_mm: 22 y_mm: -29.5"}) {
+        const Plan plan = skin_under("grasp { point { force_n: 0.05 } contact { radius_mm: 0.5 " +
+                                     std::string(contact) + " } }");
+        StimulusSource source(plan);
+        const Touched last = touched_until(source, scene_start + 300ms).back();
+        double sum_n = 0, x_mm = 0, y_mm = 0;
+        for (const auto& [element, force_n] : last.forces_n) {
+            sum_n += force_n;
+            x_mm += force_n * ((element % 20 + 0.5) / 2 - 5);
+            y_mm += force_n * ((element / 20 + 0.5) / 2 - 2);
+        }
+        EXPECT_NEAR(sum_n, 0.05, 1e-3) << contact;
+        EXPECT_NEAR(x_mm / sum_n, 2, 0.02) << contact;
+        EXPECT_NEAR(y_mm / sum_n, 0.5, 0.02) << contact;
+    }
+}
+
 TEST(StimulusSource, NeedsStimuliThatCanBe) {
     const auto why = [](const std::string& source) {
         try {

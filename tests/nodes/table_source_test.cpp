@@ -175,6 +175,18 @@ TEST_F(TableSources, TellEachPartItsOwnTrueForce) {
     }
 }
 
+// A single column in newtons would be the grip's, of which this element feels a half.
+TEST_F(TableSources, TakeASingleColumnOfCountsForThoseOfTheElement) {
+    const std::string one = "patch { name: 'a' elements: 1 share: 0.5 sensor { rate_hz: 200 adc_bits: 12 } }";
+    const auto by_grip = samples(one, "time_s,force_n\n0,4\n");
+    const auto by_counts = samples(one, "time_s,a_counts\n0,2048\n");
+    ASSERT_EQ(by_grip.size(), 1U);
+    ASSERT_EQ(by_counts.size(), 1U);
+    const double newtons_a_count = 10.0 / 4095;  // of 10 N at full scale
+    EXPECT_NEAR(by_grip[0].forces_n[0], 2, newtons_a_count);
+    EXPECT_NEAR(by_counts[0].forces_n[0], 2048 * newtons_a_count, 1e-9);
+}
+
 TEST_F(TableSources, RefuseARowOutOfRangeBeforeTheWayToIt) {
     const auto all = samples(two_elements, "time_s,a_n,b_n\n0,0,8\n0.02,7,11\n", scene::Between::linear,
                              scene::OutOfRange::refuse);
@@ -233,6 +245,16 @@ TEST(EmgSource, SamplesTheLineBetweenRowsThatAreFartherApartThanSamples) {
     const std::vector<double> held{2000, 2100, 2000, 2000, 2000, 2000, 2000, 2000, 2000, 2000};
     EXPECT_EQ(emg_samples(scene::Between::hold, 250), held);
     EXPECT_EQ(emg_samples(scene::Between::linear, 250), held) << "rows at 250 Hz or faster are held";
+}
+
+TEST(EmgSource, BeginsAgainWithItsFirstRow) {
+    Scene scene;
+    scene.hand.emg_table = scene::EmgTable{.path = "x", .rest_counts = 2000.0};
+    EmgSource source = EmgSource::of(scene, {{at(0ms), at(500ms), at(1s)}, {2100, 2500, 2400}});
+    EXPECT_EQ(source.sample(0).closing_counts, 2100);
+    EXPECT_EQ(source.sample(static_cast<std::uint64_t>(scene.hand.emg_rate_hz)).closing_counts, 2400);
+    source.restart();
+    EXPECT_EQ(source.sample(0).closing_counts, 2100);
 }
 
 }  // namespace

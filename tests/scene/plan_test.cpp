@@ -14,6 +14,18 @@ bool built(const Plan& plan, const std::string& name) {
     return part != plan.items.end() && part->built;
 }
 
+TEST(Source, StatesTheGripOfAProfileAndOfAGrasp) {
+    for (const char* const points :
+         {"profile { point { time_s: 1 force_n: 2 } point { time_s: 3 force_n: 6 } }",
+          "grasp { point { time_s: 1 force_n: 2 } point { time_s: 3 force_n: 6 } contact {} }"}) {
+        const Scene scene =
+            Scene::from_text("patch { name: 'a' outline {} } source { " + std::string(points) + " }");
+        EXPECT_DOUBLE_EQ(stated_grip_n(scene.source, scene_start + 1500ms).value(), 3) << points;
+        EXPECT_DOUBLE_EQ(stated_grip_n(scene.source, scene_start + 9s).value(), 6) << points;
+    }
+    EXPECT_EQ(stated_grip_n(scene::Pushed(), scene_start), std::nullopt);
+}
+
 // Whether the item of that name is built, and why.
 std::string item_of(const Plan& plan, const std::string& name) {
     const auto found = std::ranges::find(plan.items, name, &PlanItem::name);

@@ -195,6 +195,7 @@ std::vector<Scene> bases() {
                          .edge = {{}},
                          .indenter = {{.depth_mm = 0.1}},
                          .grating = {{}},
+                         .dots = {{}},
                          .texture = {{}},
                          .grasp = {{.point = {{.force_n = 1}}, .contact = {{.patch = "a", .share = 0.5}}}}};
         scene.decoder.kind = scene::Filter();

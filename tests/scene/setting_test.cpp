@@ -103,9 +103,9 @@ TEST(Setting, IsNamedByWhatItMakesWrong) {
     EXPECT_EQ(refusal("", "duration_s.x=1"), "duration_s.x=1: duration_s has no fields");
     for (const char* text : {"seed", "=1"})
         EXPECT_NE(refusal("", text).find("is no setting"), std::string::npos) << text;
-    EXPECT_EQ(
-        refusal("patch { name: 'a' outline {} }", "source.skin.modulus_kpa=1"),
-        "source.skin.modulus_kpa=1: source has no stimulus: an edge, indenter, grating, texture or grasp")
+    EXPECT_EQ(refusal("patch { name: 'a' outline {} }", "source.skin.modulus_kpa=1"),
+              "source.skin.modulus_kpa=1: source has no stimulus: an edge, indenter, grating, dots, texture "
+              "or grasp")
         << "a part of what is wrong";
     EXPECT_EQ(Setting::from("a=1").path, "a");
     EXPECT_NE(refusal("patch { name: 'a' }", "patch[0]={name: 'b'").find("must be a message in braces"),

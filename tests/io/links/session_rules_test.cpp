@@ -308,12 +308,14 @@ class TestedCoprocessor final : public CoprocessorClient {
     void welcomed() override {}
     std::optional<TimePoint> scene_time() const override { return shown; }
     void ahead(Duration ahead) override { told_ahead = ahead; }
+    void samples(const proto::Samples&) override { ++scans; }
     proto::Bye answer_bye(const proto::Bye&) override { return {}; }
     void ended(const SessionEnd& end) override { ends.push_back(end); }
 
     ScriptedLink::Wire wire;
     std::optional<TimePoint> shown;
     std::optional<Duration> told_ahead;
+    int scans = 0;
     std::vector<SessionEnd> ends;
     CoprocessorSession session;
 };
@@ -336,6 +338,21 @@ TEST(CoprocessorSession, AnswersAProbeOnceItsClockRuns) {
     coprocessor.wire.callbacks.message(probe);
     EXPECT_EQ(coprocessor.session.refused_messages(), 1U);
     EXPECT_EQ(coprocessor.told_ahead, Duration(-5));
+}
+
+TEST(CoprocessorSession, TakesNoForceThatIsNone) {
+    for (const double force_n : {1.5, std::nan(""), std::numeric_limits<double>::infinity()}) {
+        TestedCoprocessor coprocessor;
+        proto::Envelope samples;
+        samples.mutable_samples()->add_force_n(0.5);
+        samples.mutable_samples()->add_force_n(force_n);
+        coprocessor.wire.callbacks.message(samples);
+        EXPECT_EQ(coprocessor.scans, std::isfinite(force_n) ? 1 : 0) << force_n;
+        EXPECT_EQ(coprocessor.ends.size(), std::isfinite(force_n) ? 0U : 1U) << force_n;
+        if (!coprocessor.ends.empty())
+            EXPECT_NE(coprocessor.ends[0].reason.find("a force is not finite"), std::string::npos)
+                << coprocessor.ends[0].reason;
+    }
 }
 
 TEST(CoprocessorSession, ThatWasOpenDoesNotEndAsUnanswered) {

@@ -97,9 +97,20 @@ TEST(EventBus, IsTheSameHoweverTheEventsAreCut) {
 }
 
 TEST(EventBus, NamesTheParameterThatIsWrong) {
-    EXPECT_THROW(EventBus({.addresses = 3, .rows = 4}), ParameterError);
-    EXPECT_THROW(EventBus({.addresses = 3, .cycle = 0ns}), ParameterError);
-    EXPECT_THROW(EventBus({.addresses = 3, .row_events = 0}), ParameterError);
+    const auto why = [](const EventBusParameters& parameters) {
+        try {
+            EventBus bus(parameters);
+        } catch (const ParameterError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_EQ(why({.addresses = 0}), "addresses must be > 0, is 0");
+    EXPECT_EQ(why({.addresses = 3, .cycle = 0ns}), "cycle_ns must be > 0, is 0");
+    EXPECT_EQ(why({.addresses = 3, .rows = 4}), "rows must be from 1 to the number of addresses, is 4");
+    EXPECT_EQ(why({.addresses = 3, .row_events = 0}), "row_events must be > 0, is 0");
+    EXPECT_EQ(why({.addresses = 3, .rows = 2, .row_events = 5'000'001}),
+              "row_events must be at most 1e7 on all rows, is 5000001");
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+// The pressures under the fields of two afferents: what spikes measure, silence bounds, and age and losses
+// blur.
+#include "afferent/decoders/field_pressures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "tests/decoders/afferents.hpp"
+
+namespace afferent {
+namespace {
+
+constexpr double unit_n_per_mm2 = 0.002;
+constexpr double full_scale = 20;  // in units
+
+DecodedAfferents two_afferents() {
+    DecodedAfferents afferents{.addresses = 2, .largest_grip_n = 20};
+    DecodedAfferents::Group group = group_with(2);
+    group.full_scale_n = full_scale;
+    afferents.add(0, group, 0.5);
+    afferents.add(1, group, 0.5);
+    return afferents;
+}
+
+// The first afferent is pressed by so many units until a time.
+struct Pressed {
+    explicit Pressed(double units, Duration until)
+        : pressures(two_afferents(), {unit_n_per_mm2, unit_n_per_mm2}),
+          events(fired(
+              two_afferents().groups[0], until, [=](double) { return units; }, 0)) {}
+
+    // In units.
+    std::array<PressureFit::Reading, 2> readings(Duration now) {
+        std::array<PressureFit::Reading, 2> all{};
+        feel = pressures.read(at(now), all);
+        for (PressureFit::Reading& reading : all)
+            for (double* const value : {&reading.lowest, &reading.highest, &reading.below, &reading.above})
+                *value /= unit_n_per_mm2;
+        return all;
+    }
+
+    FieldPressures pressures;
+    std::vector<Event> events;
+    std::uint32_t feel = 0;
+};
+
+TEST(FieldPressures, AreMeasuredBySpikesAndBoundedBySilence) {
+    Pressed pressed(5, 400ms);
+    ASSERT_GT(pressed.events.size(), 3U);
+    pressed.pressures.observe(at(0ms), at(400ms), pressed.events);
+    const auto [touched, untouched] = pressed.readings(400ms);
+    EXPECT_EQ(pressed.feel, 1U);
+    EXPECT_NEAR(touched.lowest, 5, 0.05);
+    EXPECT_GE(touched.highest, touched.lowest);
+    EXPECT_LT(touched.highest, 5.5);
+    EXPECT_EQ(untouched.lowest, 0);
+    // Both fire from 0.3 units on.
+    EXPECT_NEAR(untouched.highest, 0.3, 0.05);
+}
+
+// What silence leaves possible below full scale is a bound. What it leaves possible up to there is none, as a
+// sensor at full scale may feel any pressure.
+TEST(FieldPressures, AreBoundedBelowFullScaleOrNotAtAll) {
+    Pressed pressed(5, 1ms);
+    int bounded = 0;
+    for (Duration now = 0ms; now <= 60ms; now += 100us) {
+        pressed.pressures.presume_silence(at(now));
+        const PressureFit::Reading reading = pressed.readings(now)[1];
+        if (std::isinf(reading.highest)) {
+            EXPECT_EQ(bounded, 0) << seconds(now) << ": silence goes on, and tells more";
+            continue;
+        }
+        ++bounded;
+        EXPECT_LT(reading.highest + 2 * reading.above, 0.98 * full_scale) << seconds(now);
+    }
+    EXPECT_GT(bounded, 300);
+    EXPECT_LT(bounded, 600);
+}
+
+TEST(FieldPressures, AreLessAndLessCertainAndForgottenAfterHalfASecond) {
+    Pressed pressed(5, 400ms);
+    pressed.pressures.observe(at(0ms), at(400ms), pressed.events);
+    const Duration last = pressed.events.back().time - scene_start;
+    double before = 0;
+    for (const Duration age : {20ms, 100ms, 300ms}) {
+        const PressureFit::Reading reading = pressed.readings(last + age)[0];
+        EXPECT_GT(reading.below, before);
+        before = reading.below;
+    }
+    EXPECT_EQ(pressed.readings(last + 600ms)[0].lowest, 0);
+}
+
+TEST(FieldPressures, MayHaveChangedTenTimesAsFastWhereALossHidesIt) {
+    Pressed heard(5, 400ms);
+    Pressed lost(5, 400ms);
+    for (Pressed* const each : {&heard, &lost}) each->pressures.observe(at(0ms), at(400ms), each->events);
+    heard.pressures.observe(at(400ms), at(405ms), {});
+    lost.pressures.lose(at(400ms), at(405ms));
+    const Duration now = heard.events.back().time - scene_start + 60ms;
+    const double of_age = std::sqrt(std::pow(heard.readings(now)[0].below, 2) -
+                                    std::pow(heard.readings(now - 60ms)[0].below, 2));
+    const double of_loss =
+        std::sqrt(std::pow(lost.readings(now)[0].below, 2) - std::pow(lost.readings(now - 60ms)[0].below, 2));
+    EXPECT_GT(of_loss, 5 * of_age);
+    EXPECT_LT(of_loss, 10.5 * of_age);
+}
+
+}  // namespace
+}  // namespace afferent
