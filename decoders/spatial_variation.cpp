@@ -91,8 +91,9 @@ void SpatialVariation::tell(TextureEstimate& estimate) const noexcept {
     if (count < fewest) return;
     estimate.felt = true;
     estimate.roughness_hz = mean;
-    // Each difference is one of two afferents.
-    estimate.roughness_sigma_hz = std::sqrt(2 * squares / (count * (count - 1)));
+    // A mean over pairs, in each of which an afferent counts as much as the other, varies by 4/n of what the
+    // means of afferents vary by (a U-statistic of degree two: Hoeffding 1948, Ann Math Stat 19:293).
+    estimate.roughness_sigma_hz = std::sqrt(4 * squares / (count * (count - 1)));
 }
 
 std::size_t SpatialVariation::heap_bytes() const noexcept {

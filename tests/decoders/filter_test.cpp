@@ -623,6 +623,29 @@ TEST(Filter, GainsThatAreNotAsStatedAreLearnedAndNobodyIsLeftOut) {
     EXPECT_EQ(estimate.left_out, 0);
 }
 
+// Gains wander only where several contradict what is expected: one that is wild casts no doubt on the other
+// eight.
+TEST(Filter, OneThatIsWildMakesNoOtherLessCertain) {
+    DecodedAfferents afferents = fingers(std::vector(9, 1.0));
+    afferents.uncertainty = Uncertainty();
+    auto events = all_fired(afferents, 3s, [](double) { return 8.0; });
+    std::erase_if(events, [](const Event& event) { return event.address == 2; });
+    const auto sigma_n = [&](const std::vector<Event>& heard) {
+        Filter decoder({}, afferents);
+        decoder.observe(at(0ms), at(3s), heard);
+        EXPECT_TRUE(decoder.left_out(2));
+        return decoder.estimate(at(3s)).sigma_n;
+    };
+    const double of_eight_n = sigma_n(events);
+    std::mt19937 random(1);
+    std::exponential_distribution<double> wait_s(80);
+    for (double time_s = wait_s(random); time_s < 3; time_s += wait_s(random))
+        events.push_back({at(rounded(Seconds(time_s))), 2});
+    std::sort(events.begin(), events.end());
+    // It is doubted itself until it is rejected, after a few spikes.
+    EXPECT_LT(sigma_n(events), 1.005 * of_eight_n);
+}
+
 TEST(Filter, SigmaContainsWhatAllElementsMayHaveInCommon) {
     DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     afferents.uncertainty.common_gain = 0.1;

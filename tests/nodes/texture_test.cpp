@@ -270,6 +270,65 @@ scene::Touch on_dots(double spacing_mm, double speed_mm_per_s) {
     return touch;
 }
 
+// Readings by other afferents of other pieces of the same kind of surface differ by as much as each of them
+// says.
+TEST(Textures, HaveARoughnessThatVariesAsItSays) {
+    int within = 0, readings = 0;
+    const auto compare = [&](const std::string& name, const std::function<scene::Touch(int)>& touch) {
+        const int scenes = long_runs ? 12 : 3;
+        std::vector<TextureEstimate> all[2];
+        for (int i = 0; i < scenes; ++i) {
+            Told told;
+            read_out(make_plan(fingertip_on(touch(i), static_cast<std::uint64_t>(101 + i))), told);
+            for (int kind = 0; kind < 2; ++kind) all[kind].push_back(told[kind].front().estimate);
+        }
+        for (int kind = 0; kind < 2; ++kind) {
+            double mean_hz = 0, squares = 0, variance = 0;
+            for (const TextureEstimate& each : all[kind]) {
+                mean_hz += each.roughness_hz / scenes;
+                variance += each.roughness_sigma_hz * each.roughness_sigma_hz / scenes;
+            }
+            int within_two = 0;
+            for (const TextureEstimate& each : all[kind]) {
+                const double off_hz = std::abs(each.roughness_hz - mean_hz);
+                squares += off_hz * off_hz;
+                within_two += off_hz < 2 * each.roughness_sigma_hz;
+            }
+            within += within_two;
+            readings += scenes;
+            std::printf(
+                "%-34s roughness %.1f Hz, varies by %.2f Hz, told %.2f Hz, within two sigmas %d of %d\n",
+                (name + ", " + kinds_of_tip[kind]).c_str(), mean_hz, std::sqrt(squares / (scenes - 1)),
+                std::sqrt(variance), within_two, scenes);
+        }
+    };
+    for (const double rms_mm : {0.05, 0.2})
+        compare("random texture of " + std::string(rms_mm < 0.1 ? "0.05" : "0.20") + " mm", [=](int i) {
+            scene::Touch touch;
+            scene::Texture& texture = touch.texture.emplace_back();
+            texture.rms_mm = rms_mm;
+            texture.seed = static_cast<std::uint32_t>(i + 1);
+            texture.direction_deg = (77 * i) % 360;
+            texture.pad = pad_of_tip;
+            texture.speed_mm_per_s = 40;
+            texture.press.rise_s = 0.05;
+            return touch;
+        });
+    compare("grating of 3 mm", [](int i) {
+        return std::get<scene::Touch>(
+            fingertip_on(Grated{.period_mm = 3, .direction_deg = std::fmod(77.0 * i, 360)}).source);
+    });
+    compare("dots 2.5 mm apart", [](int i) {
+        scene::Touch touch = on_dots(2.5, 20);
+        touch.dots[0].direction_deg = (77 * i) % 360;
+        return touch;
+    });
+    if (!long_runs) return;  // which have too few readings
+    // Four binomial standard deviations less than 95 %.
+    EXPECT_GE(within, 0.95 * readings - 4 * std::sqrt(0.95 * 0.05 * readings));
+    EXPECT_LT(within, readings) << "and no larger than it has to be";
+}
+
 // As people report it, and as the spatial variation of their SA1 goes (Connor et al. 1990): roughness grows
 // with the spacing of dots, and falls again where there are few of them.
 TEST(Textures, AreRoughestAtSomeSpacingOfDots) {

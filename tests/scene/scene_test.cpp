@@ -85,6 +85,8 @@ TEST(Scene, RefusesWhatCannotBe) {
         {"patch { name: 'a' elements: 1 share: 0.9 } patch { name: 'b' elements: 1 share: 0.9 }",
          ":1:31: all shares must add up to at most 1, add up to 1.8"},
         {"patch { name: 'a' elements_of: 'b' }", "must name an earlier patch"},
+        {"patch { name: 'a' elements: 1 share: 0 }",
+         "patch \"a\": neuron.tuning.force_n must be felt by elements with a share > 0, is 0"},
         {"patch { name: 'a' outline {} } source { grating { period_mm: 1 ridge_mm: 1.5 } }",
          "ridge_mm must be at most period_mm, is 1.5"},
         {"patch { name: 'a' outline {} } source { dots { spacing_mm: 1 diameter_mm: 1.5 } }",

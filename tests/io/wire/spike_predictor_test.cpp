@@ -213,6 +213,34 @@ TEST(SpikePredictor, TakesWhatSomeHaveShownForAllOfTheirLaw) {
     EXPECT_LT(bytes(true, 1), 0.9 * bytes(true, 300)) << "with each its own law, none knows of the others";
 }
 
+// One afferent after another begins, and fires three times, every 120 ticks or so: what the first has shown
+// is expected of the second interval of all.
+TEST(SpikePredictor, ExpectsTheFirstIntervalOfAnAfferentToBeThatOfOthers) {
+    const PacketLayout layout = predicted(300);
+    Spans spans(700);
+    std::mt19937_64 random(11);
+    for (Address address = 0; address < 300; ++address) {
+        std::size_t tick = std::size_t{100} * address + random() % 100;
+        for (int spike = 0; spike < 3; ++spike, tick += 118 + random() % 5)
+            spans[tick / 50].push_back(static_cast<Code>(tick % 50 * 300 + address));
+    }
+    PacketLayout independent = layout;
+    independent.encoding = Encoding::rice;
+    SpikePredictor predictor(layout);
+    PayloadCodec rice(independent);
+    std::string payload;
+    std::size_t bytes = 0;
+    std::size_t rice_bytes = 0;
+    for (auto& codes : spans) {
+        std::sort(codes.begin(), codes.end());
+        predictor.encode(codes, payload, {});
+        bytes += payload.size();
+        rice.encode(codes, payload);
+        rice_bytes += payload.size();
+    }
+    EXPECT_LT(bytes, 0.8 * static_cast<double>(rice_bytes));
+}
+
 TEST(SpikePredictor, StartsOver) {
     const PacketLayout layout = predicted(9);
     const Spans spans = wandering(layout, 200, 6);
