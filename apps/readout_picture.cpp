@@ -23,6 +23,11 @@ std::string column_of_sigma(const std::string& name) {
     return at == std::string::npos ? "" : name.substr(0, at) + name.substr(at + sigma.size());
 }
 
+// After so many degrees an angle of this column is the same again; 0 if it is no angle.
+double turn_of(const std::string& name) {
+    return name == "direction_deg" ? 360 : name == "orientation_deg" ? 180 : 0;
+}
+
 void keep_every_second(std::vector<double>& values) {
     for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
     values.resize((values.size() + 1) / 2);
@@ -98,6 +103,9 @@ std::vector<PanelGrid::Panel> ReadoutPicture::panels_of(const Kind& kind, double
         PanelGrid::Panel panel{
             .title = name, .x_title = "time [s]", .y_title = "", .curves = {}, .x_range = {{0, end_s}}};
         bool is_known = false;
+        // Angles are drawn within half a turn of the first.
+        const double turn = turn_of(name);
+        double first = untold;
         for (const auto& [of, curve] : kind.curves) {
             const Column& column = curve.columns.at(name);
             PanelGrid::Curve drawn{.name = name_of(of.first, of.second),
@@ -105,9 +113,12 @@ std::vector<PanelGrid::Panel> ReadoutPicture::panels_of(const Kind& kind, double
                                    .y = column.values,
                                    .marked = curve.times_s.size() <= most_marked};
             for (std::size_t i = 0; i < column.values.size(); ++i) {
-                is_known = is_known || std::isfinite(column.values[i]);
-                drawn.low.push_back(column.values[i] - 2 * column.sigmas[i]);
-                drawn.high.push_back(column.values[i] + 2 * column.sigmas[i]);
+                double& value = drawn.y[i];
+                if (!is_known) first = value;
+                is_known = is_known || std::isfinite(value);
+                if (turn > 0) value = first + std::remainder(value - first, turn);
+                drawn.low.push_back(value - 2 * column.sigmas[i]);
+                drawn.high.push_back(value + 2 * column.sigmas[i]);
             }
             panel.curves.push_back(std::move(drawn));
         }
