@@ -15,10 +15,12 @@ namespace {
 constexpr double unit_n_per_mm2 = 0.002;
 constexpr double full_scale = 20;  // in units
 
-DecodedAfferents two_afferents() {
+// Sensors with a noise of so many units.
+DecodedAfferents two_afferents(double noise = 0) {
     DecodedAfferents afferents{.addresses = 2, .largest_grip_n = 20};
     DecodedAfferents::Group group = group_with(2);
     group.full_scale_n = full_scale;
+    group.noise_n = noise;
     afferents.add(0, group, 0.5);
     afferents.add(1, group, 0.5);
     return afferents;
@@ -26,8 +28,8 @@ DecodedAfferents two_afferents() {
 
 // The first afferent is pressed by so many units until a time.
 struct Pressed {
-    explicit Pressed(double units, Duration until)
-        : pressures(two_afferents(), {unit_n_per_mm2, unit_n_per_mm2}),
+    Pressed(double units, Duration until, double noise = 0)
+        : pressures(two_afferents(noise), {unit_n_per_mm2, unit_n_per_mm2}),
           events(fired(
               two_afferents().groups[0], until, [=](double) { return units; }, 0)) {}
 
@@ -63,7 +65,7 @@ TEST(FieldPressures, AreMeasuredBySpikesAndBoundedBySilence) {
 // What silence leaves possible below full scale is a bound. What it leaves possible up to there is none, as a
 // sensor at full scale may feel any pressure.
 TEST(FieldPressures, AreBoundedBelowFullScaleOrNotAtAll) {
-    Pressed pressed(5, 1ms);
+    Pressed pressed(5, 1ms, 0.5);
     int bounded = 0;
     for (Duration now = 0ms; now <= 60ms; now += 100us) {
         pressed.pressures.presume_silence(at(now));
