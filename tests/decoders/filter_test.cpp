@@ -646,6 +646,20 @@ TEST(Filter, OneThatIsWildMakesNoOtherLessCertain) {
     EXPECT_LT(sigma_n(events), 1.005 * of_eight_n);
 }
 
+// A spike of one afferent alone tells that the force has not fallen faster than silence would have told.
+TEST(Filter, FollowsOneAfferentWithoutOvershooting) {
+    const auto force_n = [](double time_s) {
+        if (time_s < 1.5) return std::clamp(80 * (time_s - 0.5), 0.0, 8.0);
+        return std::max(0.0, 8 - 5 * (time_s - 1.5));
+    };
+    const DecodedAfferents one = fingers({3.0});
+    const auto events = all_fired(one, 4s, force_n);
+    Filter decoder({}, one);
+    const Score found = score(decoder, events, 4s, force_n, nothing);
+    EXPECT_LT(found.largest_n, 8.5);
+    EXPECT_LT(found.rms_n, 0.15);
+}
+
 TEST(Filter, SigmaContainsWhatAllElementsMayHaveInCommon) {
     DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     afferents.uncertainty.common_gain = 0.1;
