@@ -13,25 +13,25 @@
 namespace afferent {
 namespace {
 
-// Marks of the time are a second apart: with fewer steps than that, one at each.
+// Signs of life would be twenty in a second, more than there are steps; marks of the time are a second apart.
 TEST(HandWriter, RecordsAHandOfFewSteps) {
     const Plan plan = make_plan(Scene::from_text(
-        "source { profile { point { force_n: 1 } } } link { tcp {} } hand { emg_rate_hz: 1 }"));
+        "source { profile { point { force_n: 1 } } } link { tcp {} } hand { emg_rate_hz: 2 }"));
     const std::filesystem::path file = testing::TempDir() + "afferent-few-" + std::to_string(::getpid());
     HandWriter writer;
     writer.record(value_or_throw(HandRecording::create(file, plan, proto::HAND, nullptr)));
     HandRecords records(4, {});
-    for (std::uint64_t step = 1; step <= 3; ++step) {
-        records.make(HandRecord::Kind::step, step)->done.time = scene_start + static_cast<int>(step) * 1s;
+    for (std::uint64_t step = 1; step <= 4; ++step) {
+        records.make(HandRecord::Kind::step, step)->done.time = scene_start + static_cast<int>(step) * 500ms;
         records.push();
     }
     writer.write(records);
-    value_or_throw(writer.close(records, scene_start + 3s));
+    value_or_throw(writer.close(records, scene_start + 2s));
     RecordingReader reader = value_or_throw(RecordingReader::open(file));
     proto::Entry entry;
     int marks = 0;
     while (value_or_throw(reader.next(entry)) && !entry.has_end()) marks += entry.has_mark();
-    EXPECT_EQ(marks, 3);
+    EXPECT_EQ(marks, 2);
     std::filesystem::remove(file);
 }
 
