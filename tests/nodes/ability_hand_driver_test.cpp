@@ -335,5 +335,18 @@ TEST(AbilityHandDriver, MeasuresHowLongSamplesWaitForASlowDecoder) {
     EXPECT_LE(readings.sample_to_command_max, 23ms);
 }
 
+// Of a decoder that hangs, the last 256 samples are remembered, 2 ms apart.
+TEST(AbilityHandDriver, MeasuresTheLastSamplesThatWaitedForADecoderThatHung) {
+    Rig rig;
+    rig.steer = [] { return 0.0; };
+    rig.decoder_lag = 10s;
+    rig.run(1500ms);
+    rig.decoder_lag = 20ms;
+    rig.run(100ms);
+    const HandReadings readings = rig.readings();
+    EXPECT_GE(readings.sample_to_command_max, 505ms);
+    EXPECT_LE(readings.sample_to_command_max, 520ms);
+}
+
 }  // namespace
 }  // namespace afferent

@@ -247,14 +247,14 @@ TEST(EmgSource, SamplesTheLineBetweenRowsThatAreFartherApartThanSamples) {
     EXPECT_EQ(emg_samples(scene::Between::linear, 250), held) << "rows at 250 Hz or faster are held";
 }
 
-TEST(EmgSource, BeginsAgainWithItsFirstRow) {
+TEST(EmgSource, BeginsAgainBeforeItsFirstRow) {
     Scene scene;
     scene.hand.emg_table = scene::EmgTable{.path = "x", .rest_counts = 2000.0};
-    EmgSource source = EmgSource::of(scene, {{at(0ms), at(500ms), at(1s)}, {2100, 2500, 2400}});
-    EXPECT_EQ(source.sample(0).closing_counts, 2100);
+    EmgSource source = EmgSource::of(scene, {{at(2ms), at(500ms), at(1s)}, {2100, 2500, 2400}});
+    EXPECT_EQ(source.sample(0).closing_counts, 2000);
     EXPECT_EQ(source.sample(static_cast<std::uint64_t>(scene.hand.emg_rate_hz)).closing_counts, 2400);
     source.restart();
-    EXPECT_EQ(source.sample(0).closing_counts, 2100);
+    EXPECT_EQ(source.sample(0).closing_counts, 2000);
 }
 
 }  // namespace
