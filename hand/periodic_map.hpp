@@ -22,8 +22,8 @@ class PeriodicMap {
           pixel_mm_(side_mm / static_cast<double>(side_)),
           coefficients_(std::move(coefficients)) {}
 
-    // A wave with so many periods in a side of so many pixels is as much lower at the pixels as its
-    // coefficients are.
+    // The spline whose coefficients are a wave with so many periods a side is that wave times this factor at
+    // the pixels.
     static double at_pixels(std::int64_t periods, std::size_t side) noexcept {
         const double turn = 2 * std::numbers::pi * static_cast<double>(periods) / static_cast<double>(side);
         return (2 + std::cos(turn)) / 3;
