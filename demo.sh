@@ -12,7 +12,7 @@ case ${1:-} in
         exit 2
         ;;
 esac
-[ -x build/release/apps/afferent ] || echo "The first time this takes some two minutes on two cores, most of them to compile."
+[ -x build/release/apps/afferent ] || echo "The first time this takes two to six minutes on two cores, most of them to compile."
 if [ -n "$python" ]; then
     scripts/install-dependencies.sh python
     scripts/build.sh release -DAFFERENT_PYTHON=ON afferent afferent_python
