@@ -82,7 +82,7 @@ class ExportedChip {
         text.replace(at, std::string(change.from).size(), change.to);
     }
 
-    // What a check says of it with the change, which is taken back afterwards.
+    // Makes the change, runs the check and undoes the change; returns what the check says.
     template <class Check>
     std::string once_changed(const Change& change, const std::string& name, const Check& check) {
         const std::vector<ExportedFile> unchanged = files_;

@@ -642,11 +642,12 @@ TEST(Filter, OneThatIsWildMakesNoOtherLessCertain) {
     for (double time_s = wait_s(random); time_s < 3; time_s += wait_s(random))
         events.push_back({at(rounded(Seconds(time_s))), 2});
     std::sort(events.begin(), events.end());
-    // It is doubted itself until it is rejected, after a few spikes.
+    // A few spikes pass before the wild afferent is rejected.
     EXPECT_LT(sigma_n(events), 1.005 * of_eight_n);
 }
 
-// A spike of one afferent alone tells that the force has not fallen faster than silence would have told.
+// Where only one afferent is heard, each of its spikes shows that the force has not fallen faster than
+// silence would have shown.
 TEST(Filter, FollowsOneAfferentWithoutOvershooting) {
     const auto force_n = [](double time_s) {
         if (time_s < 1.5) return std::clamp(80 * (time_s - 0.5), 0.0, 8.0);

@@ -120,8 +120,7 @@ TEST(Encoders, ReachTheBoundOfTheSecondDerivative) {
     });
 }
 
-// A force that rises at once reaches the bound of a force with its rate of change.
-TEST(Encoders, ReachTheBoundOfASuddenRise) {
+TEST(Encoders, BoundASuddenRiseWithinAFactorOfTwo) {
     const EncoderParameters parameters = DynamicSustained::Parameters{
         .gain_mv_per_n = 1, .bias_mv = 0, .time = Seconds(0.05), .corner_hz = 10};
     visit_encoder(parameters, [&]<Encoder E>(const E& encoder) {

@@ -45,6 +45,21 @@ double bell_whole() {
 // The aperture's weight on a square pitch at a place, both in pitches.
 double weight(double x, double y) { return bell(std::hypot(x, y)) / bell_whole(); }
 
+// The mean of a surface under the aperture around a place, as a sum over steps × steps places. Where it is 0
+// the aperture is not asked for.
+template <class F>
+double mean_under_aperture(const Position& place, double pitch_mm, int steps, const F& surface) {
+    double sum = 0;
+    for (int i = 0; i < steps; ++i)
+        for (int k = 0; k < steps; ++k) {
+            const double x = 5 * ((i + 0.5) / steps - 0.5);
+            const double y = 5 * ((k + 0.5) / steps - 0.5);
+            const double value = surface(place.x_mm + x * pitch_mm, place.y_mm + y * pitch_mm);
+            if (value != 0) sum += weight(x, y) * value * 25 / (steps * steps);
+        }
+    return sum;
+}
+
 TEST(Aperture, IsAKaiserBesselFunction) {
     for (const double radians : {0.0, 0.3, 2.0, 4.5, 6.0, 2 * std::numbers::pi, 7.5, 11.0})
         EXPECT_NEAR(Aperture::transform(radians),
@@ -370,17 +385,13 @@ TEST(Dots, AreFeltUnderTheAperture) {
             const double diameter_mm = 0.7 * spacing_mm;
             const Dots dots(spacing_mm, diameter_mm, 5, Aperture(pitch_mm));
             for (const Position& place : {Position{0, 0}, Position{0.31, 0.1}, Position{-2.2, 5.9}}) {
-                constexpr int steps = 1000;
-                double expected = 0;
-                for (int i = 0; i < steps; ++i)
-                    for (int k = 0; k < steps; ++k) {
-                        const double x = 5 * ((i + 0.5) / steps - 0.5);
-                        const double y = 5 * ((k + 0.5) / steps - 0.5);
-                        const double u_mm = std::remainder(place.x_mm + x * pitch_mm, spacing_mm);
-                        const double v_mm = std::remainder(place.y_mm + y * pitch_mm, spacing_mm);
-                        if (std::hypot(u_mm, v_mm) < diameter_mm / 2)
-                            expected += weight(x, y) * 25 / steps / steps;
-                    }
+                const double expected =
+                    mean_under_aperture(place, pitch_mm, 1000, [&](double u_mm, double v_mm) {
+                        return std::hypot(std::remainder(u_mm, spacing_mm),
+                                          std::remainder(v_mm, spacing_mm)) < diameter_mm / 2
+                                   ? 1
+                                   : 0;
+                    });
                 EXPECT_NEAR(dots.mean_kpa(1, place.x_mm, place.y_mm, flat), expected, 1e-3)
                     << spacing_mm << ' ' << pitch_mm << ' ' << place.x_mm;
             }
@@ -420,15 +431,9 @@ TEST(Texture, IsFeltUnderTheAperture) {
     for (const double pitch_mm : {0.5, 1.0}) {
         const Texture coarse(rough, Aperture(pitch_mm));
         for (const Position& place : {Position{0.2, 0.4}, Position{3.1, -2.2}, Position{30, 11.3}}) {
-            constexpr int steps = 60;
-            double expected_mm = 0;
-            for (int i = 0; i < steps; ++i)
-                for (int k = 0; k < steps; ++k) {
-                    const double x = 5 * ((i + 0.5) / steps - 0.5);
-                    const double y = 5 * ((k + 0.5) / steps - 0.5);
-                    expected_mm += weight(x, y) * 25 / (steps * steps) *
-                                   fine.mean_height_mm(place.x_mm + x * pitch_mm, place.y_mm + y * pitch_mm);
-                }
+            const double expected_mm = mean_under_aperture(
+                place, pitch_mm, 60,
+                [&](double u_mm, double v_mm) { return fine.mean_height_mm(u_mm, v_mm); });
             EXPECT_NEAR(coarse.mean_height_mm(place.x_mm, place.y_mm), expected_mm, 0.002 * 0.02) << pitch_mm;
         }
     }
