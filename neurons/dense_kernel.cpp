@@ -5,6 +5,7 @@
 // Must follow highway.h.
 #include <hwy/contrib/math/math-inl.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "afferent/neurons/dense_kernel.hpp"
@@ -100,15 +101,22 @@ struct Item {
     VI index;
 };
 
-// The vector from `at` on. Where the batch ends within it, the remaining lanes are copies of the first lane,
-// so that storing their results writes the first lane's results once more.
-HWY_INLINE Item load(const Batch& batch, std::size_t at) {
+// The lanes of the vector at `at` that are in the batch.
+HWY_INLINE M lanes_in(const Batch& batch, std::size_t at) {
+    return hn::FirstN(d, batch.size - std::min(batch.size, at));
+}
+
+// The vector at `at`. Where the batch ends within it, the remaining lanes are copies of the first lane, so
+// that storing their results writes the first lane's results once more. A vector behind the end is a copy of
+// the one at `begin`, for the same reason.
+HWY_INLINE Item load(const Batch& batch, std::size_t begin, std::size_t at) {
+    if (at >= batch.size) at = begin;
     Item item{hn::Load(d, batch.gap_mv.data() + at),    hn::Load(d, batch.g.data() + at),
               hn::Load(d, batch.excess_mv.data() + at), hn::Load(d, batch.end_mv.data() + at),
               hn::Load(d, batch.left.data() + at),      hn::Load(d, batch.elapsed.data() + at),
               hn::Load(di, batch.index.data() + at)};
     if (batch.size - at >= hn::Lanes(d)) return item;
-    const M real = hn::FirstN(d, batch.size - at);
+    const M real = lanes_in(batch, at);
     for (V* const each : {&item.gap, &item.g, &item.excess, &item.end, &item.left, &item.elapsed})
         *each = hn::IfThenElse(real, *each, constant(hn::GetLane(*each)));
     item.index = hn::IfThenElse(hn::RebindMask(di, real), item.index, hn::Set(di, hn::GetLane(item.index)));
@@ -230,35 +238,46 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// The mathematics of a crossing is written for T, one vector or a pair: the chains of one vector's operations
-// are long, and a second one fills the gaps.
+// The mathematics of a crossing is written for T: a vector, a pair, or a pair of pairs. The chains of one
+// vector's operations are long, and those of the others fill the gaps; more than four need more registers
+// than there are.
+constexpr int group_vectors = 4;
+
+template <class Half>
 struct Pair {
-    V first, second;
+    Half first, second;
 };
-struct PairMask {
-    M first, second;
-};
+template <class Half>
+Pair(Half, Half) -> Pair<Half>;
+
+template <class X>
+inline constexpr bool is_pair = false;
+template <class Half>
+inline constexpr bool is_pair<Pair<Half>> = true;
+
+template <class X>
+inline constexpr int vectors_of = 1;
+template <class Half>
+inline constexpr int vectors_of<Pair<Half>> = 2 * vectors_of<Half>;
 
 template <class T>
 HWY_INLINE T set(double value) {
-    if constexpr (std::is_same_v<T, Pair>)
-        return {constant(value), constant(value)};
-    else
+    if constexpr (is_pair<T>) {
+        const auto half = set<decltype(T::first)>(value);
+        return {half, half};
+    } else {
         return constant(value);
+    }
 }
 
-HWY_INLINE Pair pair_of(V first, V second) { return {first, second}; }
-HWY_INLINE PairMask pair_of(M first, M second) { return {first, second}; }
-
-// Highway's function, on one vector or on both of a pair.
-#define AFFERENT_ON_PAIRS(name, function)                                     \
-    template <class X, class... Others>                                       \
-    HWY_INLINE auto name(X x, Others... others) {                             \
-        if constexpr (std::is_same_v<X, Pair> || std::is_same_v<X, PairMask>) \
-            return pair_of(hn::function(x.first, others.first...),            \
-                           hn::function(x.second, others.second...));         \
-        else                                                                  \
-            return hn::function(x, others...);                                \
+// Highway's function, on one vector or on each of several.
+#define AFFERENT_ON_PAIRS(name, function)                                                  \
+    template <class X, class... Others>                                                    \
+    HWY_INLINE auto name(X x, Others... others) {                                          \
+        if constexpr (is_pair<X>)                                                          \
+            return Pair{name(x.first, others.first...), name(x.second, others.second...)}; \
+        else                                                                               \
+            return hn::function(x, others...);                                             \
     }
 AFFERENT_ON_PAIRS(abs, Abs)
 AFFERENT_ON_PAIRS(neg, Neg)
@@ -277,9 +296,15 @@ AFFERENT_ON_PAIRS(select, IfThenElse)  // mask, value where it is set, value whe
 #undef AFFERENT_ON_PAIRS
 
 HWY_INLINE bool all(M x) { return hn::AllTrue(d, x); }
-HWY_INLINE bool all(PairMask x) { return all(x.first) && all(x.second); }
+template <class Half>
+HWY_INLINE bool all(Pair<Half> x) {
+    return all(x.first) && all(x.second);
+}
 HWY_INLINE bool none(M x) { return hn::AllFalse(d, x); }
-HWY_INLINE bool none(PairMask x) { return none(x.first) && none(x.second); }
+template <class Half>
+HWY_INLINE bool none(Pair<Half> x) {
+    return none(x.first) && none(x.second);
+}
 
 constexpr auto inverse_factorials = [] {
     std::array<double, max_terms> values{1};
@@ -301,7 +326,8 @@ HWY_INLINE V rough_reciprocal(V value) {
     result = hn::Mul(result, hn::NegMulAdd(value, result, two));
     return hn::Mul(result, hn::NegMulAdd(value, result, two));
 }
-HWY_INLINE Pair rough_reciprocal(Pair value) {
+template <class Half>
+HWY_INLINE Pair<Half> rough_reciprocal(Pair<Half> value) {
     return {rough_reciprocal(value.first), rough_reciprocal(value.second)};
 }
 
@@ -474,40 +500,54 @@ HWY_INLINE Crossing<V> solve_plain(const Item& item) {
     return result;
 }
 
-// What the mathematics needs of one or two vectors of a batch.
+// value(k) of so many vectors, as one T.
+template <int vectors, int first = 0, class Value>
+HWY_INLINE auto together(Value&& value) {
+    if constexpr (vectors == 1)
+        return value(first);
+    else
+        return Pair{together<vectors / 2, first>(value), together<vectors / 2, first + vectors / 2>(value)};
+}
+
+// use(k, value) for each vector of a T.
+template <int first = 0, class T, class Use>
+HWY_INLINE void apart(const T& value, Use&& use) {
+    if constexpr (is_pair<T>) {
+        constexpr int half = vectors_of<decltype(value.first)>;
+        apart<first>(value.first, use);
+        apart<first + half>(value.second, use);
+    } else {
+        use(first, value);
+    }
+}
+
+// What the mathematics needs of the vectors of a batch.
 template <int vectors>
 HWY_INLINE void solve(const Model& model, const Element (&each)[vectors], const Item (&item)[vectors],
                       Crossing<V> (&found)[vectors]) {
-    if constexpr (vectors == 1) {
-        const Item& at = item[0];
-        found[0] = solve_adapting<V>(model, each[0].reversal, at.gap, at.g, at.excess, at.end, at.left);
-    } else {
-        const Crossing<Pair> both = solve_adapting<Pair>(
-            model, {each[0].reversal, each[1].reversal}, {item[0].gap, item[1].gap}, {item[0].g, item[1].g},
-            {item[0].excess, item[1].excess}, {item[0].end, item[1].end}, {item[0].left, item[1].left});
-        found[0] = {both.span.first, both.g.first, both.left.first, both.solved.first};
-        found[1] = {both.span.second, both.g.second, both.left.second, both.solved.second};
-    }
+    const auto all = solve_adapting(model, together<vectors>([&](int k) { return each[k].reversal; }),
+                                    together<vectors>([&](int k) { return item[k].gap; }),
+                                    together<vectors>([&](int k) { return item[k].g; }),
+                                    together<vectors>([&](int k) { return item[k].excess; }),
+                                    together<vectors>([&](int k) { return item[k].end; }),
+                                    together<vectors>([&](int k) { return item[k].left; }));
+    apart(all.span, [&](int k, V span) { found[k].span = span; });
+    apart(all.g, [&](int k, V g) { found[k].g = g; });
+    apart(all.left, [&](int k, V left) { found[k].left = left; });
+    apart(all.solved, [&](int k, M solved) { found[k].solved = solved; });
 }
 
 // The gaps at the end of the step.
 template <int vectors>
 HWY_INLINE void flow_to_end(const Model& model, const Element (&each)[vectors], Item (&item)[vectors]) {
     const V a = constant(model.a);
-    const auto start = [&](int k) {
-        return Start<V>{hn::Mul(a, item[k].g), item[k].gap, each[k].reversal, hn::Mul(a, item[k].excess)};
-    };
-    if constexpr (vectors == 1) {
-        item[0].end = flow<V>(model, start(0), item[0].left);
-    } else {
-        const Start<V> x = start(0);
-        const Start<V> y = start(1);
-        const Pair end =
-            flow<Pair>(model, {{x.x, y.x}, {x.gap, y.gap}, {x.reversal, y.reversal}, {x.drive, y.drive}},
-                       {item[0].left, item[1].left});
-        item[0].end = end.first;
-        item[1].end = end.second;
-    }
+    using T = decltype(together<vectors>([&](int k) { return item[k].gap; }));
+    const Start<T> start{together<vectors>([&](int k) { return hn::Mul(a, item[k].g); }),
+                         together<vectors>([&](int k) { return item[k].gap; }),
+                         together<vectors>([&](int k) { return each[k].reversal; }),
+                         together<vectors>([&](int k) { return hn::Mul(a, item[k].excess); })};
+    apart(flow(model, start, together<vectors>([&](int k) { return item[k].left; })),
+          [&](int k, V end) { item[k].end = end; });
 }
 
 // Advances the chosen neurons to the end of the step. Those that reach threshold again are appended to
@@ -537,7 +577,7 @@ HWY_INLINE void go_on(const Model& model, const Neurons& neurons, const Element 
     }
 }
 
-// One or two vectors of the crossings, from `at` on; what remains of them goes to `after`. Returns how many
+// Several vectors of the crossings, from `at` on; what remains of them goes to `after`. Returns how many
 // keys it has written.
 template <bool adapts, bool rests, int vectors>
 HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, double start_ns, double end_ns,
@@ -549,7 +589,7 @@ HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, dou
     Element each[vectors];
     Crossing<V> found[vectors];
     for (int k = 0; k < vectors; ++k) {
-        item[k] = load(crossing, at + k * lanes);
+        item[k] = load(crossing, at, at + k * lanes);
         each[k] = gathered(model, neurons, item[k].index);
     }
     if constexpr (adapts)
@@ -558,7 +598,7 @@ HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, dou
         for (int k = 0; k < vectors; ++k) found[k] = solve_plain(item[k]);
     std::size_t fired = 0;
     for (int k = 0; k < vectors; ++k) {
-        const M real = hn::FirstN(d, crossing.size - (at + k * lanes));
+        const M real = lanes_in(crossing, at + k * lanes);
         solved[k] = hn::And(real, found[k].solved);
         const M unsolved = hn::AndNot(solved[k], real);
         if (HWY_UNLIKELY(!hn::AllFalse(d, unsolved))) append(model, item[k], unsolved, hard);
@@ -581,13 +621,18 @@ HWY_INLINE std::size_t fire_some(const Model& model, const Neurons& neurons, dou
     return fired;
 }
 
-// Calls some(at, vectors) for the vectors of a batch, by two while there are two.
+// Calls some(at, vectors) for the vectors of a batch: by groups, and the rest by two or by itself. Three take
+// less time as a group.
 template <class Some>
 HWY_INLINE void for_each_vector(std::size_t size, Some&& some) {
     const std::size_t lanes = hn::Lanes(d);
     std::size_t at = 0;
-    for (; at + lanes < size; at += 2 * lanes) some(at, std::integral_constant<int, 2>());
-    if (at < size) some(at, std::integral_constant<int, 1>());
+    for (; at + 2 * lanes < size; at += group_vectors * lanes)
+        some(at, std::integral_constant<int, group_vectors>());
+    if (at + lanes < size)
+        some(at, std::integral_constant<int, 2>());
+    else if (at < size)
+        some(at, std::integral_constant<int, 1>());
 }
 
 template <bool adapts, bool rests>
@@ -610,9 +655,9 @@ void finish(const Model& model, const Neurons& neurons, const Batch& batch, Batc
         M real[vectors];
         for (int k = 0; k < vectors; ++k) {
             const std::size_t here = at + static_cast<std::size_t>(k) * hn::Lanes(d);
-            item[k] = load(batch, here);
+            item[k] = load(batch, at, here);
             each[k] = gathered(model, neurons, item[k].index);
-            real[k] = hn::FirstN(d, batch.size - here);
+            real[k] = lanes_in(batch, here);
         }
         go_on<adapts>(model, neurons, each, item, real, crossing, hard);
     });
@@ -654,7 +699,12 @@ void finish_any(const Model& model, const Neurons& neurons, const Batch& batch, 
 }  // namespace
 
 void describe(Kernel& kernel) {
-    kernel = {&sweep_any, &fire_any, &finish_any, hn::Lanes(d), hwy::TargetName(HWY_TARGET)};
+    kernel = {&sweep_any,
+              &fire_any,
+              &finish_any,
+              hn::Lanes(d),
+              group_vectors * hn::Lanes(d),
+              hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace afferent::dense::HWY_NAMESPACE

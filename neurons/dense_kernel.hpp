@@ -57,9 +57,10 @@ struct Neurons {
     double end_scale;
 };
 
-// Neurons that are each at their own time within the step, with the time left in it.
+// Neurons that are each at their own time within the step, with the time left in it. There is room for a
+// tile's and for those that wait from the tiles before it.
 struct Batch {
-    static constexpr std::size_t capacity = tile + max_lanes;
+    static constexpr std::size_t capacity = 2 * tile;
     alignas(64) std::array<double, capacity> gap_mv;
     alignas(64) std::array<double, capacity> g;
     alignas(64) std::array<double, capacity> excess_mv;
@@ -88,6 +89,7 @@ struct Kernel {
     // whose g is beyond the series to `hard`.
     void (*finish)(const Model&, const Neurons&, const Batch& batch, Batch& crossing, Batch& hard);
     std::size_t lanes;
+    std::size_t group;  // crossings that `fire` solves together
     const char* name;
 };
 

@@ -22,8 +22,8 @@ std::size_t padded(std::size_t count) {
 
 std::size_t tiles(std::size_t count) { return (count + dense::tile - 1) / dense::tile; }
 
-// Two spikes for each neuron in a scan interval, and one more for each of a tile.
-std::size_t room_for_keys(std::size_t count) { return 2 * count + dense::tile + dense::max_lanes; }
+// Two spikes for each neuron in a scan interval, and one more for each of a batch.
+std::size_t room_for_keys(std::size_t count) { return 2 * count + Batch::capacity; }
 
 // Neurons of a tile for which there is room in its list from the beginning; the list grows where more rest at
 // once.
@@ -112,10 +112,12 @@ std::span<const std::uint64_t> DenseSweeper::sweep(std::span<const double> drive
     keys_.clear();
     for (int step = 0; step <= plan_->steps; ++step)
         scales_[static_cast<std::size_t>(step)] = scale_after(forgets_ ? std::min(step, 1) : passed_ + step);
+    for (Batch* const batch : {&scratch_->first, &scratch_->again, &scratch_->after}) batch->size = 0;
     for (std::size_t tile = 0; tile < count_; tile += dense::tile) {
         const std::size_t size = std::min(dense::tile, count_ - tile);
+        const bool last = plan_->steps > 1 || tile + size == count_;
         for (int step = 0; step < plan_->steps; ++step) {
-            carry(drives_mv, tile, size, step, begin);
+            carry(drives_mv, tile, size, step, last, begin);
             if (forgets_) rescale(tile, size, end_scale_);
         }
     }
@@ -175,7 +177,7 @@ void DenseSweeper::restore(const std::function<LifState(Index)>& state_of) {
         gap_mv_[i] = state.gap_mv;
         store_g(i, state.g);
         const double left = state.refractory_left.count() / plan_->model.tau_ns;
-        if (left > 0) begin_rest(resting_[i / dense::tile], i, left, state.g);
+        if (left > 0) begin_rest(i, left, state.g);
     }
 }
 
@@ -185,7 +187,7 @@ void DenseSweeper::rescale(std::size_t begin, std::size_t count, double scale) n
 }
 
 void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
-                         TimePoint begin) {
+                         bool last, TimePoint begin) {
     const auto from = static_cast<std::size_t>(forgets_ ? 0 : step);
     end_scale_ = scales_[from + 1];
     const dense::Neurons neurons{.gap_mv = gap_mv_.get(),
@@ -198,45 +200,68 @@ void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, st
                                  .scale = scales_[from],
                                  .end_scale = end_scale_};
     const double start_ns = scan_interval_ns_ * step / plan_->steps;
-    Batch* crossing = &scratch_->batch;
-    Batch* after = &scratch_->after;
-    crossing->size = 0;
+    Batch& first = scratch_->first;
     hard_.size = 0;
     const std::size_t whole = size / kernel_.lanes * kernel_.lanes;
-    kernel_.sweep(plan_->model, neurons, drives_mv.data() + tile, tile, whole, *crossing, hard_);
+    kernel_.sweep(plan_->model, neurons, drives_mv.data() + tile, tile, whole, first, hard_);
     if (whole < size) {
         std::array<double, dense::max_lanes> rest{};
         std::copy_n(drives_mv.data() + tile + whole, size - whole, rest.data());
         // The padding of the last vector stays at rest, whatever its threshold.
         std::fill(rest.begin() + static_cast<std::ptrdiff_t>(size - whole), rest.end(), 0.0);
-        kernel_.sweep(plan_->model, neurons, rest.data(), tile + whole, kernel_.lanes, *crossing, hard_);
+        kernel_.sweep(plan_->model, neurons, rest.data(), tile + whole, kernel_.lanes, first, hard_);
         keep_if(hard_, [&](std::size_t index) { return index < count_; });
     }
-    if (period_ > 0) release(resting_[tile / dense::tile], neurons, drives_mv, *crossing);
-    if (!plan_->series) leave_to_carry_alone(*crossing);
-    for (double fired = 1; plan_->series && crossing->size > 0; ++fired) {
-        if (fired > spikes_per_step_) {
-            note_storm(static_cast<Index>(crossing->index[0]), begin);
+    if (period_ > 0) release(resting_[tile / dense::tile], neurons, drives_mv, first);
+    if (plan_->series)
+        fire_crossings(neurons, start_ns, last, begin);
+    else
+        leave_to_carry_alone(first);
+    for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
+}
+
+// A group takes much less time than its crossings one by one. So those that do not fill a group wait for the
+// next tile, and those that cross again, which are few, for more tiles.
+void DenseSweeper::fire_crossings(const dense::Neurons& neurons, double start_ns, bool last,
+                                  TimePoint begin) {
+    constexpr std::size_t most_waiting = dense::tile / 2;
+    Batch& first = scratch_->first;
+    Batch* crossing = &scratch_->again;
+    Batch* again = &scratch_->after;
+    if (first.size > 0 && spikes_per_step_ < 1)
+        return note_storm(static_cast<std::size_t>(first.index[0]), begin);
+    fire(neurons, start_ns, first, last ? first.size : first.size / kernel_.group * kernel_.group, *crossing);
+    if (!last && crossing->size <= most_waiting) return;
+    for (double fired = 1; crossing->size > 0; ++fired) {
+        if (fired >= spikes_per_step_) {
+            note_storm(static_cast<std::size_t>(crossing->index[0]), begin);
             break;
         }
-        const std::size_t used = keys_.size();
-        keys_.resize(used + crossing->size + dense::max_lanes);
-        if (unrounded_) times_ns_.resize(keys_.size());
-        after->size = 0;
-        const std::size_t more =
-            kernel_.fire(plan_->model, neurons, start_ns, scan_interval_ns_, *crossing, *after, hard_,
-                         keys_.data() + used, unrounded_ ? times_ns_.data() + used : nullptr);
-        keys_.resize(used + more);
-        if (unrounded_) times_ns_.resize(used + more);
-        if (period_ > 0) {
-            rest(resting_[tile / dense::tile], neurons, *after);
-            crossing->size = 0;
-            kernel_.finish(plan_->model, neurons, *after, *crossing, hard_);
-        } else {
-            std::swap(crossing, after);
-        }
+        fire(neurons, start_ns, *crossing, crossing->size, *again);
+        std::swap(crossing, again);
     }
-    for (std::size_t i = 0; i < hard_.size; ++i) carry_alone(i, drives_mv, start_ns, begin);
+    crossing->size = 0;  // those that storm
+}
+
+void DenseSweeper::fire(const dense::Neurons& neurons, double start_ns, Batch& crossing, std::size_t count,
+                        Batch& again) {
+    const std::size_t waiting = crossing.size - count;
+    crossing.size = count;
+    const std::size_t used = keys_.size();
+    keys_.resize(used + count + dense::max_lanes);
+    if (unrounded_) times_ns_.resize(keys_.size());
+    released_.size = 0;
+    const std::size_t fired = kernel_.fire(plan_->model, neurons, start_ns, scan_interval_ns_, crossing,
+                                           period_ > 0 ? released_ : again, hard_, keys_.data() + used,
+                                           unrounded_ ? times_ns_.data() + used : nullptr);
+    keys_.resize(used + fired);
+    if (unrounded_) times_ns_.resize(used + fired);
+    if (period_ > 0) {
+        rest(neurons, released_);
+        kernel_.finish(plan_->model, neurons, released_, again, hard_);
+    }
+    for (std::size_t i = 0; i < waiting; ++i) put(crossing, i, crossing, count + i);
+    crossing.size = waiting;
 }
 
 void DenseSweeper::release(std::vector<Resting>& resting, const dense::Neurons& neurons,
@@ -271,7 +296,7 @@ void DenseSweeper::release(std::vector<Resting>& resting, const dense::Neurons& 
         leave_to_carry_alone(released_);
 }
 
-void DenseSweeper::rest(std::vector<Resting>& resting, const dense::Neurons& neurons, Batch& batch) {
+void DenseSweeper::rest(const dense::Neurons& neurons, Batch& batch) {
     const double step = plan_->model.step;
     std::size_t awake = 0;
     for (std::size_t i = 0; i < batch.size; ++i) {
@@ -279,7 +304,7 @@ void DenseSweeper::rest(std::vector<Resting>& resting, const dense::Neurons& neu
         const double until = batch.elapsed[i] + period_;
         if (until >= step) {
             const double g = plan_->model.adapts ? batch.g[i] * kept(step - batch.elapsed[i]) : 0;
-            begin_rest(resting, index, until - step, g);
+            begin_rest(index, until - step, g);
             neurons.gap_mv[index] = batch.gap_mv[i];
             continue;
         }
@@ -292,14 +317,15 @@ void DenseSweeper::rest(std::vector<Resting>& resting, const dense::Neurons& neu
     batch.size = awake;
 }
 
-void DenseSweeper::begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g) {
-    resting.push_back({static_cast<Index>(index), left, g});
+void DenseSweeper::begin_rest(std::size_t index, double left, double g) {
+    resting_[index / dense::tile].push_back({static_cast<Index>(index), left, g});
     rests_[index] = 1;
     store_g(index, g);
 }
 
-void DenseSweeper::leave_to_carry_alone(const Batch& crossing) noexcept {
-    for (std::size_t i = 0; i < crossing.size; ++i) put(hard_, hard_.size++, crossing, i);
+void DenseSweeper::leave_to_carry_alone(Batch& batch) noexcept {
+    for (std::size_t i = 0; i < batch.size; ++i) put(hard_, hard_.size++, batch, i);
+    batch.size = 0;
 }
 
 void DenseSweeper::carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns,
@@ -319,7 +345,7 @@ void DenseSweeper::carry_alone(std::size_t at, std::span<const double> drives_mv
             break;
         }
         if (fired >= spikes_per_step_) {
-            note_storm(static_cast<Index>(index), begin);
+            note_storm(index, begin);
             break;
         }
         // Rounding must not put the spike after the end of the step.
@@ -335,8 +361,7 @@ void DenseSweeper::carry_alone(std::size_t at, std::span<const double> drives_mv
         neuron.hold(state, Interval(held_ns));
         now_ns += held_ns;
         if (held_ns >= period_ns) continue;
-        begin_rest(resting_[index / dense::tile], index, (period_ns - held_ns) / plan_->model.tau_ns,
-                   state.g);
+        begin_rest(index, (period_ns - held_ns) / plan_->model.tau_ns, state.g);
         break;
     }
     gap_mv_[index] = state.gap_mv;

@@ -21,10 +21,11 @@
 namespace afferent {
 
 struct DenseScratch {
-    dense::Batch batch;
-    dense::Batch after;
-    dense::Batch hard;
-    dense::Batch released;
+    dense::Batch first;     // those that reach threshold in the step
+    dense::Batch again;     // those that have fired, and reach it again
+    dense::Batch after;     // the same, after a spike of `again`
+    dense::Batch hard;      // those that are left to carry_alone()
+    dense::Batch released;  // those whose refractory period has ended
     std::vector<std::uint64_t> keys;
     std::vector<double> times_ns;  // of the keys, if they are asked for
     // Used by populations that consist of several parts: the drives of one part, and the keys and times of
@@ -102,8 +103,14 @@ class DenseSweeper {
         if (scaled_g_) scaled_g_[index] = g / end_scale_;
     }
     void rescale(std::size_t begin, std::size_t count, double scale) noexcept;
-    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
+    // `last`: no other tile follows in this step.
+    void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step, bool last,
                TimePoint begin);
+    void fire_crossings(const dense::Neurons& neurons, double start_ns, bool last, TimePoint begin);
+    // The first `count` neurons of the batch fire and leave it. Those that reach threshold again are appended
+    // to `again`.
+    void fire(const dense::Neurons& neurons, double start_ns, dense::Batch& crossing, std::size_t count,
+              dense::Batch& again);
     // The factor by which g decays in that time.
     double kept(double units) const noexcept { return std::exp(-units / plan_->model.a); }
     double fall_or_decay(double units) const noexcept {
@@ -114,14 +121,14 @@ class DenseSweeper {
     void release(std::vector<Resting>& resting, const dense::Neurons& neurons,
                  std::span<const double> drives_mv, dense::Batch& crossing);
     // Every neuron of the batch has just fired.
-    void rest(std::vector<Resting>& resting, const dense::Neurons& neurons, dense::Batch& batch);
-    void begin_rest(std::vector<Resting>& resting, std::size_t index, double left, double g);
+    void rest(const dense::Neurons& neurons, dense::Batch& batch);
+    void begin_rest(std::size_t index, double left, double g);
     // Leaves the neurons of the batch to carry_alone().
-    void leave_to_carry_alone(const dense::Batch& crossing) noexcept;
+    void leave_to_carry_alone(dense::Batch& batch) noexcept;
     // Advances one neuron by AdaptingLif, from where the batch left it to the end of the step.
     void carry_alone(std::size_t at, std::span<const double> drives_mv, double start_ns, TimePoint begin);
-    void note_storm(Index index, TimePoint begin) noexcept {
-        if (!storm_) storm_ = SpikeStorm{index, begin};
+    void note_storm(std::size_t index, TimePoint begin) noexcept {
+        if (!storm_) storm_ = SpikeStorm{static_cast<Index>(index), begin};
     }
 
     std::shared_ptr<DenseScratch> scratch_;

@@ -4,6 +4,7 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -92,6 +93,40 @@ TEST(DensePopulation, GivesTheEventsOfTheSparseForm) {
     expect_dense_is_sparse({.tau_m_ms = 20, .tau_g_ms = 30}, 10ms, 90, 5);
     expect_dense_is_sparse({.tau_m_ms = 10, .tau_g_ms = 6}, 5ms, 90, 6);
     expect_dense_is_sparse({.v_r_mv = -75, .e_k_mv = -70}, 1ms, 200, 7);
+}
+
+// Crossings wait for those of later tiles: that moves nothing.
+TEST(DensePopulation, GivesTheEventsOfItsPartsBySweepsOfTheirOwn) {
+    const auto expect_parts = [](const LifParameters& parameters, double high_mv, unsigned seed) {
+        constexpr std::array<std::size_t, 3> sizes{603, 97, 450};
+        constexpr std::size_t count = 1150;
+        Drives drives = random_drives(seed, count, -5, high_mv);
+        drives.resize(10);
+        DensePopulation whole(parameters, count, 5ms);
+        std::vector<Event> parts;
+        std::ptrdiff_t begin = 0;
+        for (const std::size_t size : sizes) {
+            Drives own;
+            for (const auto& row : drives)
+                own.emplace_back(row.begin() + begin,
+                                 row.begin() + begin + static_cast<std::ptrdiff_t>(size));
+            DensePopulation part(parameters, size, 5ms);
+            for (const Event& event : dense_events(part, own))
+                parts.push_back({event.time, event.address + static_cast<Address>(begin)});
+            begin += static_cast<std::ptrdiff_t>(size);
+        }
+        std::sort(parts.begin(), parts.end());
+        EXPECT_GT(parts.size(), count);
+        EXPECT_EQ(dense_events(whole, drives), parts);
+    };
+    for (const double refractory_ms : {0.0, 0.3})
+        for (const double delta_g : {0.0, 0.3}) {
+            SCOPED_TRACE(std::to_string(refractory_ms) + ", " + std::to_string(delta_g));
+            // Few neurons fire twice in a scan interval; nearly all do, several times.
+            for (const double high_mv : {60.0, 600.0})
+                expect_parts({.delta_g = delta_g, .refractory_ms = refractory_ms}, high_mv, 1);
+            expect_parts({.tau_g_ms = 6, .delta_g = delta_g, .refractory_ms = refractory_ms}, 90, 2);
+        }
 }
 
 TEST(DensePopulation, GivesTheEventsOfTheSparseFormWithEveryInstructionSet) {
@@ -341,16 +376,31 @@ TEST(DensePopulation, GoesOnFromTheStatesOfTheSparseForm) {
 }
 
 TEST(DensePopulation, StopsANeuronThatStorms) {
-    for (const double delta_g : {0.0, 0.06}) {
-        DensePopulation population(LifParameters{.delta_g = delta_g}, 20, 5ms,
-                                   {.spikes = 100, .window = 5ms});
-        std::vector<double> drives(20, 30.0);
-        drives[11] = 1e9;
-        population.advance(drives, [](TimePoint, Address) {});
-        ASSERT_TRUE(population.storm());
-        EXPECT_EQ(population.storm()->index, 11U);
-        population.reset();
-        EXPECT_FALSE(population.storm());
+    for (const std::size_t count : {20, 1750})
+        for (const double delta_g : {0.0, 0.06}) {
+            DensePopulation population(LifParameters{.delta_g = delta_g}, count, 5ms,
+                                       {.spikes = 100, .window = 5ms});
+            std::vector<double> drives(count, 30.0);
+            drives[11] = 1e9;
+            std::size_t spikes = 0;
+            population.advance(drives, [&](TimePoint, Address index) { spikes += index == 11; });
+            ASSERT_TRUE(population.storm());
+            EXPECT_EQ(population.storm()->index, 11U);
+            // A neuron that is also computed by itself is counted there once more.
+            EXPECT_GE(spikes, 100U);
+            EXPECT_LE(spikes, 200U);
+            population.reset();
+            EXPECT_FALSE(population.storm());
+        }
+}
+
+TEST(DensePopulation, MayFireAsOftenAsTheLimitAndNotOnceWhereItIsNone) {
+    for (const std::uint32_t most : {0, 1}) {
+        DensePopulation population(LifParameters{}, 700, 5ms, {.spikes = most, .window = 5ms});
+        std::size_t spikes = 0;
+        population.advance(std::vector<double>(700, 40.0), [&](TimePoint, Address) { ++spikes; });
+        EXPECT_EQ(population.storm().has_value(), most == 0);
+        EXPECT_EQ(spikes, 700U * most);
     }
 }
 
