@@ -11,7 +11,6 @@
 #include "afferent/engine/make_shard.hpp"
 #include "afferent/engine/scan_routes.hpp"
 #include "afferent/runtime/event_key.hpp"
-#include "afferent/runtime/event_merge.hpp"
 #include "afferent/runtime/number_sorter.hpp"
 #include "afferent/runtime/parallel.hpp"
 #include "afferent/runtime/shard.hpp"
@@ -69,11 +68,19 @@ class Coprocessor::Impl {
         std::size_t begin;
         std::size_t end;
         EventKeys events;
-        NumberSorter sorter;
+        // Where there are slices: the events of each after those of the one before, and where they end.
+        std::vector<EventKey> by_slice;
+        std::vector<std::size_t> slice_ends;
+
+        std::span<const EventKey> slice(std::size_t s) const noexcept {
+            const std::size_t first = s == 0 ? 0 : slice_ends[s - 1];
+            return std::span(by_slice).subspan(first, slice_ends[s] - first);
+        }
     };
-    // A part of the window whose events are merged by themselves.
+    // A part of the window. Its events of all batches are sorted by themselves.
     struct Slice {
-        EventMerge merge;
+        std::vector<EventKey> keys;
+        NumberSorter sorter;
         std::size_t first_event;  // among those of the window
     };
 
@@ -82,14 +89,15 @@ class Coprocessor::Impl {
     bool append(std::span<const double> forces_n);
     void route_scans(TimePoint until);
     void compute(Batch& batch, TimePoint until);
-    void merge_events(TimePoint until);
-    std::span<const EventKey> keys_in(const Batch& batch, std::size_t slice, TimePoint until) const;
+    void divide(Batch& batch, TimePoint until) const;
+    void sort_events();
+    void put_sorted(std::vector<EventKey>& keys, const NumberSorter& sorter, std::size_t first_event);
 
     std::uint32_t elements_;
     bool changes_forms_;
     std::vector<RoutedShard> shards_;
     std::vector<Batch> batches_;
-    std::vector<Slice> slices_;
+    std::vector<Slice> slices_;  // as many as batches
     ScanRoutes routes_;
     Workers workers_;
     std::vector<Scan> scans_;
@@ -116,7 +124,7 @@ Coprocessor::Impl::Impl(const Plan& plan)
             ? std::clamp<std::size_t>(batches_per_thread * plan.threads, 1, std::max<std::size_t>(1, shards))
             : 1;
     for (std::size_t i = 0; i < batches; ++i) {
-        batches_.push_back({shards * i / batches, shards * (i + 1) / batches, {}, {}});
+        batches_.push_back({shards * i / batches, shards * (i + 1) / batches, {}, {}, {}});
         std::shared_ptr<DenseScratch> scratch;
         std::size_t afferents = 0;
         for (std::size_t k = batches_[i].begin; k < batches_[i].end; ++k) {
@@ -129,9 +137,16 @@ Coprocessor::Impl::Impl(const Plan& plan)
                  scene_start});
             afferents += shard.count;
         }
-        batches_[i].events.keys().reserve(std::max<std::size_t>(2048, afferents / 4));
+        const std::size_t events = std::max<std::size_t>(2048, afferents / 4);
+        batches_[i].events.keys().reserve(events);
+        if (batches == 1) continue;
+        batches_[i].by_slice.reserve(events);
+        batches_[i].slice_ends.resize(batches);
     }
-    if (batches > 1) slices_.assign(batches, {EventMerge(batches), 0});
+    slices_.resize(batches);
+    if (batches > 1)
+        for (Slice& slice : slices_)
+            slice.keys.reserve(std::max<std::size_t>(2048, std::size_t{plan.addresses} / 4 / batches));
     // Usually there are two scans for each patch between two calls; when there are more, room grows once.
     scans_.reserve(4 * plan.patches.size());
     for (RoutedShard& routed : shards_) routed.scans.reserve(4);
@@ -207,7 +222,7 @@ void Coprocessor::Impl::advance_window(TimePoint until) {
     std::move(forces_n_.begin() + static_cast<std::ptrdiff_t>(used),
               forces_n_.begin() + static_cast<std::ptrdiff_t>(waiting_), forces_n_.begin());
     waiting_ -= used;
-    merge_events(until);
+    sort_events();
     now_ = std::max(now_, until);
 }
 
@@ -236,46 +251,51 @@ void Coprocessor::Impl::compute(Batch& batch, TimePoint until) {
         routed.shard->advance(until, routed.scans, batch.events);
         routed.next = routed.shard->next();
     }
-    batch.sorter.sort(batch.events.keys());
+    if (slices_.size() > 1) divide(batch, until);
 }
 
-// Appends the events of the window to events_. Those of several batches are merged in slices of time, which
-// are independent of each other.
-void Coprocessor::Impl::merge_events(TimePoint until) {
-    const std::size_t before = event_count_;
+// Slices are equally long parts of the window.
+void Coprocessor::Impl::divide(Batch& batch, TimePoint until) const {
+    const std::vector<EventKey>& keys = batch.events.keys();
+    const double per_ns =
+        static_cast<double>(slices_.size()) / (static_cast<double>((until - now_).count()) + 1);
+    const auto slice_of = [&](EventKey key) {
+        return static_cast<std::size_t>(static_cast<double>(key >> EventKeys::address_bits) * per_ns);
+    };
+    std::vector<std::size_t>& ends = batch.slice_ends;
+    std::fill(ends.begin(), ends.end(), 0);
+    for (const EventKey key : keys) ++ends[slice_of(key)];
+    std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), std::size_t{0});
+    batch.by_slice.resize(keys.size());
+    // Each event moves its slice's begin on, until it is its end.
+    for (const EventKey key : keys) batch.by_slice[ends[slice_of(key)]++] = key;
+}
+
+// Appends the events of the window to events_, those of each slice by themselves.
+void Coprocessor::Impl::sort_events() {
+    std::size_t first = event_count_;
     for (const Batch& batch : batches_) event_count_ += batch.events.keys().size();
     if (events_.size() < event_count_) events_.resize(std::max(event_count_, events_.capacity()));
-    if (slices_.empty()) {
-        std::transform(batches_.front().events.keys().begin(), batches_.front().events.keys().end(),
-                       events_.begin() + static_cast<std::ptrdiff_t>(before),
-                       [&](EventKey key) { return EventKeys::event(now_, key); });
-        return;
-    }
-    std::size_t size = before;
+    if (slices_.size() == 1) return put_sorted(batches_.front().events.keys(), slices_.front().sorter, first);
     for (std::size_t s = 0; s < slices_.size(); ++s) {
-        slices_[s].first_event = size;
-        for (const Batch& batch : batches_) size += keys_in(batch, s, until).size();
+        slices_[s].first_event = first;
+        for (const Batch& batch : batches_) first += batch.slice(s).size();
     }
-    const auto merge_slice = [&](std::size_t s) {
-        Event* event = events_.data() + slices_[s].first_event;
-        slices_[s].merge([&](std::size_t i) { return keys_in(batches_[i], s, until); },
-                         [&](EventKey key) { *event++ = EventKeys::event(now_, key); });
+    const auto sort_slice = [&](std::size_t s) {
+        std::vector<EventKey>& keys = slices_[s].keys;
+        keys.clear();
+        for (const Batch& batch : batches_)
+            keys.insert(keys.end(), batch.slice(s).begin(), batch.slice(s).end());
+        put_sorted(keys, slices_[s].sorter, slices_[s].first_event);
     };
-    workers_.run(slices_.size(), std::ref(merge_slice));
+    workers_.run(slices_.size(), std::ref(sort_slice));
 }
 
-std::span<const EventKey> Coprocessor::Impl::keys_in(const Batch& batch, std::size_t slice,
-                                                     TimePoint until) const {
-    const std::vector<EventKey>& keys = batch.events.keys();
-    // The first event of a slice that begins that many parts of the window after its begin.
-    const auto first = [&](std::size_t parts) {
-        if (parts == slices_.size()) return keys.end();
-        const auto begin =
-            (until - now_) / static_cast<Duration::rep>(slices_.size()) * static_cast<Duration::rep>(parts);
-        return std::lower_bound(keys.begin(), keys.end(),
-                                static_cast<EventKey>(begin.count()) << EventKeys::address_bits);
-    };
-    return {first(slice), first(slice + 1)};
+void Coprocessor::Impl::put_sorted(std::vector<EventKey>& keys, const NumberSorter& sorter,
+                                   std::size_t first_event) {
+    sorter.sort(keys);
+    std::transform(keys.begin(), keys.end(), events_.begin() + static_cast<std::ptrdiff_t>(first_event),
+                   [&](EventKey key) { return EventKeys::event(now_, key); });
 }
 
 std::size_t Coprocessor::Impl::dense_shards() const noexcept {
