@@ -1,6 +1,7 @@
 // Shards that several threads compute. Run with ThreadSanitizer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <utility>
@@ -32,13 +33,20 @@ std::vector<Event> events_of(std::uint32_t threads) {
     Coprocessor coprocessor(plan);
     EXPECT_EQ(coprocessor.threads(), threads);
     std::vector<Event> all;
-    const std::vector<double> forces_n(plan.elements, 0.01);
-    for (int window = 0; window < 40; ++window) {
-        const TimePoint begin = scene_start + window * 5ms;
+    // The first half of each patch fires at the same instants, the others at many.
+    std::vector<double> forces_n(plan.elements, 0.01);
+    for (std::size_t i = 750; i < 1500; ++i) forces_n[i] += 1e-5 * static_cast<double>(i);
+    for (int scan = 0; scan < 40; ++scan) {
+        const TimePoint begin = scene_start + scan * 5ms;
         for (const PatchPlan& patch : plan.patches)
             coprocessor.push({begin, patch.first_element, std::span(forces_n).first(patch.elements())});
-        const auto events = coprocessor.advance(begin + 5ms - 1ns);
-        all.insert(all.end(), events.begin(), events.end());
+        // One window, or several, of which one is a nanosecond long and one empty.
+        for (const Duration until :
+             {Duration(1), Duration(2), Duration(2), Duration(2ms), Duration(5ms - 1ns)}) {
+            if (scan % 2 == 0 && until < 2ms) continue;
+            const auto events = coprocessor.advance(begin + until);
+            all.insert(all.end(), events.begin(), events.end());
+        }
     }
     return all;
 }
@@ -46,6 +54,7 @@ std::vector<Event> events_of(std::uint32_t threads) {
 TEST(ParallelShards, FireAlikeOnAnyNumberOfThreads) {
     const std::vector<Event> alone = events_of(1);
     EXPECT_GT(alone.size(), 10'000U);
+    EXPECT_TRUE(std::is_sorted(alone.begin(), alone.end()));
     for (const std::uint32_t threads : {2U, 4U}) EXPECT_EQ(events_of(threads), alone) << threads;
 }
 
