@@ -25,13 +25,20 @@ constexpr std::size_t batches_per_thread = 4;
 // Samples of a scan that are worth the threads' time.
 constexpr std::size_t worth_sharing = 1 << 16;
 
-// Several sums, so that none waits for the one before: a number times 0 is 0, anything else NaN.
-bool all_finite(std::span<const double> forces_n) noexcept {
+// False: they are not all finite. Several sums, so that none waits for the one before: a number times 0 is 0,
+// anything else NaN.
+bool copy_finite(std::span<const double> forces_n, double* to) noexcept {
     std::array<double, 8> sums{};
     std::size_t i = 0;
     for (; i + sums.size() <= forces_n.size(); i += sums.size())
-        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += 0 * forces_n[i + k];
-    for (; i < forces_n.size(); ++i) sums[0] += 0 * forces_n[i];
+        for (std::size_t k = 0; k < sums.size(); ++k) {
+            to[i + k] = forces_n[i + k];
+            sums[k] += 0 * forces_n[i + k];
+        }
+    for (; i < forces_n.size(); ++i) {
+        to[i] = forces_n[i];
+        sums[0] += 0 * forces_n[i];
+    }
     return std::accumulate(sums.begin(), sums.end(), 0.0) == 0;
 }
 
@@ -189,9 +196,7 @@ bool Coprocessor::Impl::append(std::span<const double> forces_n) {
     double* const to = forces_n_.data() + waiting_;
     waiting_ += forces_n.size();
     const auto copy = [&](std::size_t begin, std::size_t end) {
-        std::copy(forces_n.begin() + static_cast<std::ptrdiff_t>(begin),
-                  forces_n.begin() + static_cast<std::ptrdiff_t>(end), to + begin);
-        return all_finite(forces_n.subspan(begin, end - begin));
+        return copy_finite(forces_n.subspan(begin, end - begin), to + begin);
     };
     const std::size_t parts = forces_n.size() < worth_sharing ? 1 : workers_.threads();
     if (parts == 1) return copy(0, forces_n.size());

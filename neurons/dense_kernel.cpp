@@ -5,6 +5,8 @@
 // Must follow highway.h.
 #include <hwy/contrib/math/math-inl.h>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <type_traits>
 
@@ -173,6 +175,7 @@ template <int near_count, bool individual>
 void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, std::size_t begin,
            std::size_t count, Batch& crossing, Batch& hard) {
     constexpr bool adapts = near_count > 0;
+    constexpr std::size_t ahead = 128;  // neurons: processors do not look beyond a page
     const std::size_t lanes = hn::Lanes(d);
     const V one = constant(1);
     const V scale = constant(neurons.scale);
@@ -187,6 +190,9 @@ void sweep(const Model& model, const Neurons& neurons, const double* drives_mv, 
     std::size_t found = crossing.size;
     for (std::size_t i = 0; i < count; i += lanes) {
         const std::size_t at = begin + i;
+        hwy::Prefetch(neurons.gap_mv + at + ahead);
+        if constexpr (adapts) hwy::Prefetch(neurons.scaled_g + at + ahead);
+        if constexpr (individual) hwy::Prefetch(neurons.v_th_mv + at + ahead);
         const V gap = hn::Load(d, neurons.gap_mv + at);
         if constexpr (individual) each = element(model, hn::Load(d, neurons.v_th_mv + at), hn::Zero(d));
         const V over = excess(each, hn::LoadU(d, drives_mv + i));
