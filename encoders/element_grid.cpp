@@ -71,7 +71,7 @@ std::uint32_t ElementGrid::nearest(const Position& place) const noexcept {
     return best;
 }
 
-std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Position& centre, double sd_mm) const {
+void ElementGrid::add_gaussian_field(const Position& centre, double sd_mm, FieldRows& fields) const {
     // In cells, as far as columns and rows go.
     const double x = centre.x_mm / pitch_mm_ + static_cast<double>(columns_ - 1) / 2;
     const double y = centre.y_mm / pitch_mm_ + (static_cast<double>(rows()) - 1) / 2;
@@ -79,7 +79,6 @@ std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Position&
     const double smallest = square(x - std::round(x)) + square(y - std::round(y));
     const double largest = std::max(square(3 * sd), smallest);
     const double reach = std::sqrt(largest);
-    std::vector<ReceptiveFields::Weight> row;
     double sum = 0;
     const auto first_row = static_cast<std::int64_t>(std::ceil(y - reach));
     const auto first_column = static_cast<std::int64_t>(std::ceil(x - reach));
@@ -91,12 +90,12 @@ std::vector<ReceptiveFields::Weight> ElementGrid::gaussian_field(const Position&
             const double weight = std::exp((smallest - distance) / (2 * sd * sd));
             sum += weight;
             const std::uint32_t element = element_at(i, j);
-            if (element != none && weight > 0) row.push_back({element, weight});
+            if (element != none && weight > 0) fields.add({element, weight});
         }
     // At the border, the cells in reach may all lie outside the outline.
-    if (row.empty()) row.push_back({nearest(centre), sum});
-    for (ReceptiveFields::Weight& weight : row) weight.weight /= sum * square(pitch_mm_);
-    return row;
+    if (fields.last().empty()) fields.add({nearest(centre), sum});
+    for (FieldWeight& weight : fields.last()) weight.weight /= sum * square(pitch_mm_);
+    fields.end_row();
 }
 
 namespace {

@@ -31,11 +31,11 @@ class ElementGrid {
         return std::span(places_).subspan(row_begins_[row], row_begins_[row + 1] - row_begins_[row]);
     }
 
-    // What an afferent at that place reads: the mean pressure under Gaussian weights, as the force on a
-    // square millimetre. The weights of an unbounded grid would add up to 1/pitch² (in mm), so that a uniform
-    // pressure reads the same whatever the pitch; the skin beyond the outline is not pressed. Elements
-    // further away than three standard deviations are left out, but for the nearest.
-    std::vector<ReceptiveFields::Weight> gaussian_field(const Position& centre, double sd_mm) const;
+    // Adds the row that an afferent at that place reads: the mean pressure under Gaussian weights, as the
+    // force on a square millimetre. The weights of an unbounded grid would add up to 1/pitch² (in mm), so
+    // that a uniform pressure reads the same whatever the pitch; the skin beyond the outline is not pressed.
+    // Elements further away than three standard deviations are left out, but for the nearest.
+    void add_gaussian_field(const Position& centre, double sd_mm, FieldRows& fields) const;
 
   private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};

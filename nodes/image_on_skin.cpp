@@ -47,20 +47,19 @@ ReceptiveFields image_on_skin(const Plan& plan, std::size_t rows, std::size_t co
         for (std::uint32_t i = 0; i < patch.elements(); ++i) {
             const double x_mm = patch.centre.x_mm + patch.grid->place(i).x_mm - map.left;
             const double y_mm = map.top - patch.centre.y_mm - patch.grid->place(i).y_mm;
-            fields.emplace_back();
             for_each_overlap(
                 (y_mm - half_mm) / pixel_height_mm, (y_mm + half_mm) / pixel_height_mm, rows,
                 [&](std::uint32_t row, double height) {
                     for_each_overlap(
                         (x_mm - half_mm) / pixel_width_mm, (x_mm + half_mm) / pixel_width_mm, columns,
                         [&](std::uint32_t column, double width) {
-                            fields.back().push_back(
-                                {row * static_cast<std::uint32_t>(columns) + column, width * height});
+                            fields.add({row * static_cast<std::uint32_t>(columns) + column, width * height});
                         });
                 });
+            fields.end_row();
         }
     }
-    return ReceptiveFields(static_cast<std::uint32_t>(rows * columns), fields);
+    return ReceptiveFields(static_cast<std::uint32_t>(rows * columns), std::move(fields));
 }
 
 }  // namespace afferent

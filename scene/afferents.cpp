@@ -120,26 +120,34 @@ double narrowest_field_sd_mm(double pitch_mm) { return pitch_mm * std::hypot(Ape
 FieldRows gaussian_fields(const scene::Afferents& afferents, const std::vector<Position>& places,
                           const scene::Spread& spread, const ElementGrid& grid, AfferentSeed seed) {
     const Draw factor(spread.field_sd, Stream::afferent_field, seed);
-    FieldRows rows;
-    rows.reserve(places.size());
+    // The elements' aperture is a part of the field, whose variances add up.
+    const auto weight_sd = [&](double field_sd_mm) {
+        const double field_sd = field_sd_mm / grid.pitch_mm();
+        return std::sqrt(
+            std::max(field_sd * field_sd - Aperture::sd * Aperture::sd, least_weight_sd * least_weight_sd));
+    };
     double cells = 0;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
-        // The elements' aperture is a part of the field, whose variances add up.
         const double field_sd_mm = afferents.field_sd_mm * factor(i, 1);
-        const double field_sd = field_sd_mm / grid.pitch_mm();
-        const double weight_sd = std::sqrt(
-            std::max(field_sd * field_sd - Aperture::sd * Aperture::sd, least_weight_sd * least_weight_sd));
-        cells += std::pow(6 * weight_sd + 1, 2);
+        cells += std::pow(6 * weight_sd(field_sd_mm) + 1, 2);
         require(cells <= most_field_cells, "field_sd_mm",
                 "so small that all fields of the patch together reach at most 2^28 elements", field_sd_mm);
-        rows.push_back(grid.gaussian_field(places[i], weight_sd * grid.pitch_mm()));
     }
+    FieldRows rows;
+    rows.reserve(places.size(), static_cast<std::size_t>(cells));
+    for (std::uint32_t i = 0; i < places.size(); ++i)
+        grid.add_gaussian_field(places[i], weight_sd(afferents.field_sd_mm * factor(i, 1)) * grid.pitch_mm(),
+                                rows);
     return rows;
 }
 
 FieldRows fields_of_one_each(std::uint32_t elements) {
-    FieldRows rows(elements);
-    for (std::uint32_t i = 0; i < elements; ++i) rows[i] = {{i, 1}};
+    FieldRows rows;
+    rows.reserve(elements, elements);
+    for (std::uint32_t i = 0; i < elements; ++i) {
+        rows.add({i, 1});
+        rows.end_row();
+    }
     return rows;
 }
 
@@ -148,7 +156,7 @@ void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed
     const Draw factor(spread.gain, Stream::afferent_gain, seed);
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         const double gain = factor(i, 1);
-        for (ReceptiveFields::Weight& weight : rows[i]) weight.weight *= gain;
+        for (FieldWeight& weight : rows[i]) weight.weight *= gain;
     }
 }
 

@@ -152,20 +152,21 @@ class PatchPlanner {
         ReceptiveFields fields = ReceptiveFields::one_each(elements);
         const scene::Patch& given = scene_.patches[index];
         if (given.field.empty() && places.empty() && !given.spread.gain) return fields;
-        FieldRows rows(given.field.size());
-        for (std::size_t i = 0; i < given.field.size(); ++i)
-            for (const scene::Weight& weight : given.field[i].weight)
-                rows[i].push_back({weight.element, weight.weight});
+        FieldRows rows;
+        for (const scene::Field& field : given.field) {
+            for (const scene::Weight& weight : field.weight) rows.add({weight.element, weight.weight});
+            rows.end_row();
+        }
         if (!check(index, ".spread", [&] { afferent::check(given.spread); })) return fields;
         const bool found = check(index, ".afferents", [&] {
             if (grid && !places.empty())
                 rows = gaussian_fields(*given.afferents, places, given.spread, *grid, seed);
-            else if (rows.empty())
+            else if (rows.size() == 0)
                 rows = fields_of_one_each(elements);
         });
         if (!found) return fields;
         spread_gain(rows, given.spread, seed);
-        check(index, "", [&] { fields = ReceptiveFields(elements, rows); });
+        check(index, "", [&] { fields = ReceptiveFields(elements, std::move(rows)); });
         return fields;
     }
 

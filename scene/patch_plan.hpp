@@ -135,8 +135,6 @@ struct AfferentSeed {
 // Throws ParameterError, as jittered_lattice does, or for a place outside the outline.
 std::vector<Position> places_of(const scene::Afferents& afferents, const Outline& outline, AfferentSeed seed);
 
-using FieldRows = std::vector<std::vector<ReceptiveFields::Weight>>;
-
 // The standard deviation of the narrowest Gaussian field that elements of a pitch allow for.
 double narrowest_field_sd_mm(double pitch_mm);
 // Gaussian fields around those places, whose sizes may differ, on elements that have the aperture of a

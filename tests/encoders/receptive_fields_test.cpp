@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "afferent/runtime/parameter_error.hpp"
 
 namespace afferent {
@@ -41,9 +44,11 @@ TEST(ReceptiveFieldRows, AddUpTheirElementsInOrder) {
 }
 
 TEST(ReceptiveFieldRows, NameTheWeightThatIsWrong) {
-    const auto refusal = [](std::vector<ReceptiveFields::Weight> row) -> std::string {
+    const auto refusal = [](const std::vector<FieldWeight>& row) -> std::string {
+        FieldRows rows{{{0, 1}}};
+        rows.add(row);
         try {
-            ReceptiveFields(3, {{{0, 1}}, std::move(row)});
+            ReceptiveFields(3, std::move(rows));
         } catch (const ParameterError& error) {
             return error.what();
         }

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "afferent/scene/scene.hpp"
@@ -74,9 +76,9 @@ TEST(Share, SamplesThoseElementsOfAPatchThatARankReads) {
 
 // Afferent i reads the elements i and i + 12. Nobody reads the last eight of the 120 elements.
 TEST(Share, CountsEachSampleOnce) {
-    std::vector<std::vector<ReceptiveFields::Weight>> rows;
-    for (std::uint32_t i = 0; i < 100; ++i) rows.push_back({{i, 1}, {i + 12, 1}});
-    const Plan plan = plan_of_four_shards(120, ReceptiveFields(120, rows));
+    FieldRows rows;
+    for (std::uint32_t i = 0; i < 100; ++i) rows.add(std::array<FieldWeight, 2>{{{i, 1}, {i + 12, 1}}});
+    const Plan plan = plan_of_four_shards(120, ReceptiveFields(120, std::move(rows)));
     EXPECT_EQ(sampling(plan, {0, 1, 3, 4}),
               (std::vector<Sampling>{
                   {true, {0, 37}, {0, 37}}, {true, {25, 87}, {37, 87}}, {true, {75, 120}, {87, 120}}}));
