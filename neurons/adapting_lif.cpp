@@ -48,9 +48,9 @@ AdaptingLif AdaptingLif::varied(double v_th_mv, double delta_g) const noexcept {
     return result;
 }
 
-void AdaptingLif::advance(State& state, double drive_mv, Interval dt) const noexcept {
+void AdaptingLif::advance(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept {
     [[maybe_unused]] const State before = state;
-    flow(state, drive_mv, dt);
+    flow(state, drive_mv, dt, expm1);
     assert(within_bounds(before, drive_mv, state));
 }
 
@@ -65,13 +65,13 @@ bool AdaptingLif::within_bounds(const State& before, double drive_mv, const Stat
                        after.gap_mv <= high + rounding);
 }
 
-void AdaptingLif::flow(State& state, double drive_mv, Interval dt) const noexcept {
+void AdaptingLif::flow(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept {
     const double excess_mv = membrane_.excess_mv(drive_mv);
     const double s = membrane_.units(dt);
     const double longest = ShortInterval::longest(a_, state.g);
     const int steps = s <= longest ? 1 : s <= short_steps * longest ? static_cast<int>(s / longest) + 1 : 0;
     if (steps > 0) {
-        const double fall = std::expm1(-s / (a_ * steps));
+        const double fall = expm1(-s / (a_ * steps));
         State there = state;
         int step = 0;
         for (; step < steps; ++step) {

@@ -35,7 +35,11 @@ class AdaptingLif {
 
     State rest() const noexcept { return {membrane_.reset_gap_mv(), 0}; }
     State at_phase(double phase) const noexcept { return {membrane_.reset_gap_mv() * (1 - phase), 0}; }
-    void advance(State& state, double drive_mv, Interval dt) const noexcept;
+    void advance(State& state, double drive_mv, Interval dt) const noexcept {
+        RememberedExpm1 expm1;
+        advance(state, drive_mv, dt, expm1);
+    }
+    void advance(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
     // The spike if g were as small from now on as it will be at the horizon, or the horizon if that is
     // earlier.
@@ -52,7 +56,7 @@ class AdaptingLif {
     double g(const State& state) const noexcept { return state.g; }
 
   private:
-    void flow(State& state, double drive_mv, Interval dt) const noexcept;
+    void flow(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept;
     bool within_bounds(const State& before, double drive_mv, const State& after) const noexcept;
     double crossing(double gap_mv, double g, double excess_mv) const noexcept;
     double far_crossing(double gap_mv, double g, double excess_mv) const noexcept;

@@ -19,9 +19,9 @@ const LifParameters& without_adaptation(const LifParameters& parameters) {
 
 Lif::Lif(const LifParameters& parameters) : membrane_(without_adaptation(parameters)) {}
 
-void Lif::advance(State& state, double drive_mv, Interval dt) const noexcept {
+void Lif::advance(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept {
     const double s = membrane_.units(dt);
-    const double charge = -std::expm1(-s);
+    const double charge = -expm1(-s);
     const double decay = s < 0.5 ? 1 - charge : std::exp(-s);
     state.gap_mv = state.gap_mv * decay - membrane_.excess_mv(drive_mv) * charge;
 }

@@ -19,7 +19,11 @@ class Lif {
 
     State rest() const noexcept { return {membrane_.reset_gap_mv()}; }
     State at_phase(double phase) const noexcept { return {membrane_.reset_gap_mv() * (1 - phase)}; }
-    void advance(State& state, double drive_mv, Interval dt) const noexcept;
+    void advance(State& state, double drive_mv, Interval dt) const noexcept {
+        RememberedExpm1 expm1;
+        advance(state, drive_mv, dt, expm1);
+    }
+    void advance(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept;
     Interval next_spike(const State& state, double drive_mv) const noexcept;
     void fire(State& state) const noexcept { state = rest(); }
     void fire_after(State& state, Interval) const noexcept { fire(state); }

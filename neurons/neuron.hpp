@@ -1,6 +1,7 @@
 // What every neuron model is: constant parameters, a separate state, and its flow under a held drive.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <limits>
 
@@ -44,6 +45,34 @@ concept BoundsNextSpike = Neuron<N> &&
 template <class N>
 concept FiresAfter = Neuron<N> && requires(const N& neuron, typename N::State& state, Interval dt) {
     neuron.fire_after(state, dt);
+};
+
+// expm1 of a number that occurs again and again: a value is kept once it has been asked for twice in a row.
+class RememberedExpm1 {
+  public:
+    double operator()(double x) noexcept {
+        if (x == usual_) return expm1_of_usual_;
+        const double result = std::expm1(x);
+        if (x == last_) {
+            usual_ = x;
+            expm1_of_usual_ = result;
+        }
+        last_ = x;
+        return result;
+    }
+
+  private:
+    double usual_ = 0;
+    double expm1_of_usual_ = 0;
+    double last_ = 0;
+};
+
+// A neuron whose flow takes an exponential of the interval may advance with one that its population
+// remembers: scans are equally far apart. The result is the same to the bit.
+template <class N>
+concept RemembersIntervals = Neuron<N> && requires(const N& neuron, typename N::State& state, double drive_mv,
+                                                   Interval dt, RememberedExpm1& expm1) {
+    neuron.advance(state, drive_mv, dt, expm1);
 };
 
 inline constexpr Interval never{std::numeric_limits<double>::infinity()};

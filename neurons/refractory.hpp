@@ -7,7 +7,8 @@
 
 namespace afferent {
 
-// Base has hold(state, dt), which lets the interval pass with v clamped, and parameters with refractory_ms.
+// Base remembers intervals and has hold(state, dt), which lets the interval pass with v clamped, and
+// parameters with refractory_ms.
 // The wrapper is a class of its own, so that neurons without a refractory period pay nothing for it.
 template <Neuron Base>
 class Refractory {
@@ -27,13 +28,17 @@ class Refractory {
     State at_phase(double phase) const noexcept { return {base_.at_phase(phase), Interval(0)}; }
 
     void advance(State& state, double drive_mv, Interval dt) const noexcept {
+        RememberedExpm1 expm1;
+        advance(state, drive_mv, dt, expm1);
+    }
+    void advance(State& state, double drive_mv, Interval dt, RememberedExpm1& expm1) const noexcept {
         const Interval held = std::min(dt, state.left);
         if (held > Interval(0)) {
             base_.hold(state.base, held);
             state.left -= held;
             dt -= held;
         }
-        if (dt > Interval(0)) base_.advance(state.base, drive_mv, dt);
+        if (dt > Interval(0)) base_.advance(state.base, drive_mv, dt, expm1);
     }
 
     Interval next_spike(const State& state, double drive_mv) const noexcept {

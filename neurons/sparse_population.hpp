@@ -68,7 +68,10 @@ class SparsePopulation {
         Slot& slot = slots_[index];
         if (slot.drive_mv == drive_mv) return;
         const N& neuron = elements_[index];
-        neuron.advance(slot.state, slot.drive_mv, span(slot, time));
+        if constexpr (RemembersIntervals<N>)
+            neuron.advance(slot.state, slot.drive_mv, span(slot, time), expm1_);
+        else
+            neuron.advance(slot.state, slot.drive_mv, span(slot, time));
         slot.stamp = time;
         slot.remainder_ns = 0;
         slot.drive_mv = drive_mv;
@@ -184,6 +187,7 @@ class SparsePopulation {
     SpikeLimit limit_;
     std::vector<Slot> slots_;
     IndexedQueue queue_;
+    RememberedExpm1 expm1_;
     std::optional<SpikeStorm> storm_;
 };
 

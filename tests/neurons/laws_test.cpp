@@ -48,6 +48,27 @@ TYPED_TEST(NeuronLaws, AdvancesInPiecesAsAtOnce) {
     }
 }
 
+// Whatever intervals came before, and of which neurons.
+TYPED_TEST(NeuronLaws, AdvancesAlikeByARememberedInterval) {
+    if constexpr (RemembersIntervals<TypeParam>) {
+        RememberedExpm1 expm1;
+        for (int i = 0; i < 200; ++i) {
+            const TypeParam neuron(this->parameters());
+            auto state = neuron.rest();
+            neuron.fire(state);
+            const std::vector<Interval> parts{this->whole(200, 1e7), Interval(0), this->whole(200, 1e7)};
+            for (const int part : {0, 0, 0, 1, 0, 2, 2, 0, 2, 2, 1, 1, 0}) {
+                auto expected = state;
+                const double drive_mv = this->uniform(-50, 14);
+                neuron.advance(expected, drive_mv, parts[static_cast<std::size_t>(part)]);
+                neuron.advance(state, drive_mv, parts[static_cast<std::size_t>(part)], expm1);
+                EXPECT_EQ(neuron.v_mv(state), neuron.v_mv(expected));
+                EXPECT_EQ(neuron.g(state), neuron.g(expected));
+            }
+        }
+    }
+}
+
 TYPED_TEST(NeuronLaws, BeginsAtAnyPartOfTheWayToThreshold) {
     for (int i = 0; i < 100; ++i) {
         const auto parameters = this->parameters();
