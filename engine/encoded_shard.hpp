@@ -33,13 +33,12 @@ class EncodedShard final : public Shard {
             const std::span<const Scan> now = simultaneous(scans);
             const TimePoint time = now.front().time;
             neurons_.begin_scan(time, sink);
-            if (noise_.is_none())
-                encoder_.take(now,
-                              [&](std::size_t i, double drive_mv) { neurons_.set_drive(i, time, drive_mv); });
-            else
+            neurons_.set_drives(time, [&](auto&& set) {
+                if (noise_.is_none()) return encoder_.take(now, set);
                 encoder_.take(now, [&](std::size_t i, double drive_mv) {
-                    neurons_.set_drive(i, time, noise_(drive_mv, first_ + static_cast<Address>(i), time));
+                    set(i, noise_(drive_mv, first_ + static_cast<Address>(i), time));
                 });
+            });
             neurons_.end_scan(time);
             scans = scans.subspan(now.size());
         }
@@ -52,9 +51,11 @@ class EncodedShard final : public Shard {
 
     void reset() override {
         neurons_.reset();
-        encoder_.reset([&](std::size_t i, double drive_mv) {
-            noise_.set_rest(drive_mv);
-            neurons_.set_drive(i, scene_start, drive_mv);
+        neurons_.set_drives(scene_start, [&](auto&& set) {
+            encoder_.reset([&](std::size_t i, double drive_mv) {
+                noise_.set_rest(drive_mv);
+                set(i, drive_mv);
+            });
         });
     }
 

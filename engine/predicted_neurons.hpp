@@ -13,7 +13,7 @@ namespace afferent {
 //
 //     begin_window(until, sink)    a window begins, that ends at `until`
 //     begin_scan(time, sink)       drives will change at that time, which lies in the window
-//     set_drive(i, time, drive_mv)
+//     set_drives(time, use)        use(set) calls set(i, drive_mv) for each drive
 //     end_scan(time)               all of them have been set
 //     end_window(sink)             every spike of the window has been fired
 //     next()                       as Shard has it
@@ -31,8 +31,11 @@ class PredictedNeurons {
     void begin_scan(TimePoint time, Sink&& sink) {
         population_.advance(time, sink);
     }
-    void set_drive(std::size_t i, TimePoint time, double drive_mv) noexcept {
-        population_.set_drive(static_cast<std::uint32_t>(i), time, drive_mv);
+    template <class Use>
+    void set_drives(TimePoint time, Use&& use) {
+        use([&](std::size_t i, double drive_mv) {
+            population_.set_drive(static_cast<std::uint32_t>(i), time, drive_mv);
+        });
     }
     void end_scan(TimePoint) noexcept {}
     template <class Sink>

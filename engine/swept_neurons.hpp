@@ -36,7 +36,11 @@ class SweptNeurons {
         // Up to the scan's time, but not beyond: its drives hold from there on.
         while (population_.time() < time) sweep(sink);
     }
-    void set_drive(std::size_t i, TimePoint, double drive_mv) noexcept { drives_mv_[i] = drive_mv; }
+    template <class Use>
+    void set_drives(TimePoint, Use&& use) {
+        double* const drives_mv = drives_mv_.data();
+        use([drives_mv](std::size_t i, double drive_mv) { drives_mv[i] = drive_mv; });
+    }
     void end_scan(TimePoint) noexcept {}
     template <class Sink>
     void end_window(Sink&& sink) {

@@ -40,10 +40,25 @@ class SwitchingNeurons {
         sweep_before(time, sink);
         if (!dense_) predicted_.begin_scan(time, counted(sink));
     }
-    void set_drive(std::size_t i, TimePoint time, double drive_mv) noexcept {
-        work_ += swept_.drives_mv()[i] != drive_mv;
-        swept_.set_drive(i, time, drive_mv);
-        if (!dense_) predicted_.set_drive(i, time, drive_mv);
+    // A loop for each form: that of the dense one can be in vectors.
+    template <class Use>
+    void set_drives(TimePoint time, Use&& use) {
+        const double* const before_mv = swept_.drives_mv().data();
+        std::uint64_t changed = 0;
+        swept_.set_drives(time, [&](auto&& set) {
+            const auto note = [&](std::size_t i, double drive_mv) {
+                changed += before_mv[i] != drive_mv;
+                set(i, drive_mv);
+            };
+            if (dense_) return use(note);
+            predicted_.set_drives(time, [&](auto&& set_predicted) {
+                use([&](std::size_t i, double drive_mv) {
+                    note(i, drive_mv);
+                    set_predicted(i, drive_mv);
+                });
+            });
+        });
+        work_ += changed;
     }
     void end_scan(TimePoint time) {
         if (dense_) return;
