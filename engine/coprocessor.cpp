@@ -86,7 +86,6 @@ class Coprocessor::Impl {
     };
     // A part of the window. Its events of all batches are sorted by themselves.
     struct Slice {
-        std::vector<EventKey> keys;
         NumberSorter sorter;
         std::size_t first_event;  // among those of the window
     };
@@ -98,13 +97,15 @@ class Coprocessor::Impl {
     void compute(Batch& batch, TimePoint until);
     void divide(Batch& batch, TimePoint until) const;
     void sort_events();
-    void put_sorted(std::vector<EventKey>& keys, const NumberSorter& sorter, std::size_t first_event);
+    // They become the events of this call from that one on.
+    void put_sorted(std::span<EventKey> keys, const NumberSorter& sorter, std::size_t first_event);
 
     std::uint32_t elements_;
     bool changes_forms_;
     std::vector<RoutedShard> shards_;
     std::vector<Batch> batches_;
-    std::vector<Slice> slices_;  // as many as batches
+    std::vector<Slice> slices_;   // as many as batches
+    std::vector<EventKey> keys_;  // of all slices, where there are several
     ScanRoutes routes_;
     Workers workers_;
     std::vector<Scan> scans_;
@@ -151,9 +152,6 @@ Coprocessor::Impl::Impl(const Plan& plan)
         batches_[i].slice_ends.resize(batches);
     }
     slices_.resize(batches);
-    if (batches > 1)
-        for (Slice& slice : slices_)
-            slice.keys.reserve(std::max<std::size_t>(2048, std::size_t{plan.addresses} / 4 / batches));
     // Usually there are two scans for each patch between two calls; when there are more, room grows once.
     scans_.reserve(4 * plan.patches.size());
     for (RoutedShard& routed : shards_) routed.scans.reserve(4);
@@ -278,25 +276,31 @@ void Coprocessor::Impl::divide(Batch& batch, TimePoint until) const {
 
 // Appends the events of the window to events_, those of each slice by themselves.
 void Coprocessor::Impl::sort_events() {
-    std::size_t first = event_count_;
+    const std::size_t before = event_count_;
     for (const Batch& batch : batches_) event_count_ += batch.events.keys().size();
     if (events_.size() < event_count_) events_.resize(std::max(event_count_, events_.capacity()));
-    if (slices_.size() == 1) return put_sorted(batches_.front().events.keys(), slices_.front().sorter, first);
+    if (slices_.size() == 1)
+        return put_sorted(batches_.front().events.keys(), slices_.front().sorter, before);
+    if (keys_.size() < event_count_ - before) keys_.resize(events_.size() - before);
+    std::size_t first = 0;
     for (std::size_t s = 0; s < slices_.size(); ++s) {
         slices_[s].first_event = first;
         for (const Batch& batch : batches_) first += batch.slice(s).size();
     }
     const auto sort_slice = [&](std::size_t s) {
-        std::vector<EventKey>& keys = slices_[s].keys;
-        keys.clear();
-        for (const Batch& batch : batches_)
-            keys.insert(keys.end(), batch.slice(s).begin(), batch.slice(s).end());
-        put_sorted(keys, slices_[s].sorter, slices_[s].first_event);
+        const std::size_t begin = slices_[s].first_event;
+        std::size_t end = begin;
+        for (const Batch& batch : batches_) {
+            std::copy(batch.slice(s).begin(), batch.slice(s).end(),
+                      keys_.begin() + static_cast<std::ptrdiff_t>(end));
+            end += batch.slice(s).size();
+        }
+        put_sorted(std::span(keys_).subspan(begin, end - begin), slices_[s].sorter, before + begin);
     };
     workers_.run(slices_.size(), std::ref(sort_slice));
 }
 
-void Coprocessor::Impl::put_sorted(std::vector<EventKey>& keys, const NumberSorter& sorter,
+void Coprocessor::Impl::put_sorted(std::span<EventKey> keys, const NumberSorter& sorter,
                                    std::size_t first_event) {
     sorter.sort(keys);
     std::transform(keys.begin(), keys.end(), events_.begin() + static_cast<std::ptrdiff_t>(first_event),
