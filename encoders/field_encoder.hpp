@@ -83,7 +83,7 @@ class FieldEncoder {
     // Besides the object itself, with the rows of these afferents.
     std::size_t bytes() const noexcept {
         return states_.size() * sizeof(typename E::State) + forces_n_.size() * sizeof(double) +
-               readers_.size() * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
+               readers_.size() * (sizeof(FieldWeight) + sizeof(std::uint32_t)) +
                (reader_begins_.size() + touched_.capacity()) * sizeof(std::uint32_t) + is_touched_.size();
     }
     // bytes() of one that is yet to be built.
@@ -95,7 +95,7 @@ class FieldEncoder {
         std::size_t weights = 0;
         for (std::uint32_t i = first; i < first + count; ++i) weights += fields.row(i).size();
         return state_bytes + elements * sizeof(double) +
-               weights * (sizeof(ReceptiveFields::Weight) + sizeof(std::uint32_t)) +
+               weights * (sizeof(FieldWeight) + sizeof(std::uint32_t)) +
                (elements + 1 + count) * sizeof(std::uint32_t) + count * sizeof(char);
     }
 

@@ -10,9 +10,9 @@ namespace afferent {
 ReceptiveFields::ReceptiveFields(std::uint32_t elements, FieldRows rows) : elements_(elements) {
     if (rows.size() == 0) return;
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
-        const std::span<Weight> row = rows[i];
+        const std::span<FieldWeight> row = rows[i];
         if (row.empty()) throw ParameterError("field.weight", "given at least once", "none");
-        const auto before = [](const Weight& a, const Weight& b) { return a.element < b.element; };
+        const auto before = [](const FieldWeight& a, const FieldWeight& b) { return a.element < b.element; };
         if (!std::is_sorted(row.begin(), row.end(), before)) std::sort(row.begin(), row.end(), before);
         for (auto weight = row.begin(); weight != row.end(); ++weight) {
             require(weight->element < elements, "field.weight.element", "below the number of elements",

@@ -34,13 +34,13 @@ class FieldRows {
   public:
     FieldRows() = default;
     FieldRows(std::initializer_list<std::initializer_list<FieldWeight>> rows) {
-        for (const auto& row : rows) add(row);
+        for (const auto& row : rows) add_row(row);
     }
 
     // The weights that follow, up to end_row(), are one row.
     void add(const FieldWeight& weight) { weights_.push_back(weight); }
     void end_row() { begins_.push_back(static_cast<std::uint32_t>(weights_.size())); }
-    void add(std::span<const FieldWeight> row) {
+    void add_row(std::span<const FieldWeight> row) {
         weights_.insert(weights_.end(), row.begin(), row.end());
         end_row();
     }
@@ -50,7 +50,7 @@ class FieldRows {
     }
 
     std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(begins_.size() - 1); }
-    // Of the row that is not ended yet.
+    // The weights that were added since the last end_row().
     std::span<FieldWeight> last() noexcept { return std::span(weights_).subspan(begins_.back()); }
     std::span<FieldWeight> operator[](std::uint32_t row) noexcept {
         return std::span(weights_).subspan(begins_[row], begins_[row + 1] - begins_[row]);
@@ -68,8 +68,6 @@ class FieldRows {
 // of its own number, at weight 1, and that takes no memory. Copies share their rows.
 class ReceptiveFields {
   public:
-    using Weight = FieldWeight;
-
     static ReceptiveFields one_each(std::uint32_t elements) { return ReceptiveFields(elements, {}); }
 
     // Throws ParameterError: each row has weights, of elements below `elements`, each once, finite and > 0.
@@ -80,7 +78,7 @@ class ReceptiveFields {
     bool is_one_each() const noexcept { return !rows_; }
 
     // An afferent's weights, in the order of its elements. Only where there are rows.
-    std::span<const Weight> row(std::uint32_t afferent) const noexcept { return (*rows_)[afferent]; }
+    std::span<const FieldWeight> row(std::uint32_t afferent) const noexcept { return (*rows_)[afferent]; }
 
     // From the first to the last element that the afferents first, first + 1, ... read.
     ElementRange read_by(std::uint32_t first, std::uint32_t count) const noexcept;
@@ -89,7 +87,7 @@ class ReceptiveFields {
     double sum(std::uint32_t afferent, std::span<const double> of_element) const noexcept {
         if (is_one_each()) return of_element[afferent];
         double sum = 0;
-        for (const Weight& weight : row(afferent)) sum += weight.weight * of_element[weight.element];
+        for (const FieldWeight& weight : row(afferent)) sum += weight.weight * of_element[weight.element];
         return sum;
     }
 

@@ -97,7 +97,7 @@ class Coprocessor::Impl {
     void compute(Batch& batch, TimePoint until);
     void divide(Batch& batch, TimePoint until) const;
     void sort_events();
-    // They become the events of this call from that one on.
+    // Sorts the keys and stores their events in events_, from first_event on.
     void put_sorted(std::span<EventKey> keys, const NumberSorter& sorter, std::size_t first_event);
 
     std::uint32_t elements_;

@@ -103,7 +103,7 @@ class DenseSweeper {
         if (scaled_g_) scaled_g_[index] = g / end_scale_;
     }
     void rescale(std::size_t begin, std::size_t count, double scale) noexcept;
-    // `last`: no other tile follows in this step.
+    // `last`: no crossing may wait for the next tile.
     void carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step, bool last,
                TimePoint begin);
     void fire_crossings(const dense::Neurons& neurons, double start_ns, bool last, TimePoint begin);

@@ -17,7 +17,7 @@ Population::Afferent afferent_of(const Plan& plan, const PatchPlan& patch, std::
     std::uint32_t element = index;
     if (!patch.fields.is_one_each()) {
         const auto row = patch.fields.row(index);
-        element = std::ranges::max_element(row, {}, &ReceptiveFields::Weight::weight)->element;
+        element = std::ranges::max_element(row, {}, &FieldWeight::weight)->element;
         afferent.elements = static_cast<std::uint32_t>(row.size());
     }
     afferent.element = patch.first_element + element;

@@ -36,8 +36,8 @@ TEST(ReceptiveFieldRows, OfOneElementEachTakeNoMemoryAndReadTheirOwn) {
 
 TEST(ReceptiveFieldRows, AddUpTheirElementsInOrder) {
     const ReceptiveFields fields(3, {{{2, 0.5}, {0, 2}}, {{1, 3}}});
-    EXPECT_EQ(fields.row(0)[0], (ReceptiveFields::Weight{0, 2}));
-    EXPECT_EQ(fields.row(0)[1], (ReceptiveFields::Weight{2, 0.5}));
+    EXPECT_EQ(fields.row(0)[0], (FieldWeight{0, 2}));
+    EXPECT_EQ(fields.row(0)[1], (FieldWeight{2, 0.5}));
     const std::vector<double> of_element{1, 10, 4};
     EXPECT_EQ(fields.sum(0, of_element), 2 * 1 + 0.5 * 4);
     EXPECT_EQ(fields.sum(1, of_element), 30);
@@ -46,7 +46,7 @@ TEST(ReceptiveFieldRows, AddUpTheirElementsInOrder) {
 TEST(ReceptiveFieldRows, NameTheWeightThatIsWrong) {
     const auto refusal = [](const std::vector<FieldWeight>& row) -> std::string {
         FieldRows rows{{{0, 1}}};
-        rows.add(row);
+        rows.add_row(row);
         try {
             ReceptiveFields(3, std::move(rows));
         } catch (const ParameterError& error) {

@@ -77,7 +77,7 @@ TEST(Share, SamplesThoseElementsOfAPatchThatARankReads) {
 // Afferent i reads the elements i and i + 12. Nobody reads the last eight of the 120 elements.
 TEST(Share, CountsEachSampleOnce) {
     FieldRows rows;
-    for (std::uint32_t i = 0; i < 100; ++i) rows.add(std::array<FieldWeight, 2>{{{i, 1}, {i + 12, 1}}});
+    for (std::uint32_t i = 0; i < 100; ++i) rows.add_row(std::array<FieldWeight, 2>{{{i, 1}, {i + 12, 1}}});
     const Plan plan = plan_of_four_shards(120, ReceptiveFields(120, std::move(rows)));
     EXPECT_EQ(sampling(plan, {0, 1, 3, 4}),
               (std::vector<Sampling>{
