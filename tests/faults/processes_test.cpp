@@ -40,9 +40,9 @@ class Processes : public testing::TestWithParam<const char*> {
                                                                   : "tcp { port: " + port + " }";
         // A seed of its own: the status of a scene is asked for by its fingerprint.
         write_file(scene(),
-                   "duration_s: 60 seed: " + std::to_string(::getpid()) + " link { " + link +
-                       (has_keys() ? " keys: 'keys'" : "") +
-                       " } hand { user { close_at_s: 0 close_for_s: 60 } object { distance_mm: 500 } " +
+                   "duration_s: 200 seed: " + std::to_string(::getpid()) + " link { " + link + " " +
+                       less_patient + (has_keys() ? " keys: 'keys'" : "") +
+                       " } hand { user { close_at_s: 0 close_for_s: 200 } object { distance_mm: 500 } " +
                        more_of_the_hand + " }");
     }
 
