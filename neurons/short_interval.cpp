@@ -64,27 +64,42 @@ double ShortInterval::value(double part) const noexcept {
     return (sums[0] + sums[1] * part) + square * (sums[2] + sums[3] * part);
 }
 
+// As a part of the interval, where z is 0 on the cubic that has its values and slopes at both ends, as a
+// function of z. Not a number in [0, 1] where z is not monotonic.
+double ShortInterval::guess() const noexcept {
+    const double drop = terms_[0] - end_mv_;
+    const double passed = terms_[0] / drop;
+    const double left = end_mv_ / drop;  // not positive
+    const double end_x = x_ * (1 + fall_);
+    const double end_slope = (a_ + end_x) * end_mv_ - end_x * reversal_mv_ + a_ * excess_mv_;
+    const double begin = drop / terms_[1];
+    const double end = drop * (1 + fall_) / (fall_ * end_slope);
+    return passed * passed * (3 - 2 * passed) - passed * left * (begin * left + end * passed);
+}
+
 // Halley's steps, kept within the bracket: the equation gives both derivatives with the value.
 double ShortInterval::root() const noexcept {
-    double low = fall_;  // the gap is not positive here,
-    double high = 0;     // and is here
-    double epsilon = fall_ * terms_[0] / (terms_[0] - end_mv_);
+    double low = 0;   // the gap is positive here,
+    double high = 1;  // and not here
+    double part = guess();
+    if (!(part >= 0 && part <= 1)) part = terms_[0] / (terms_[0] - end_mv_);
     for (int i = 0; i < 60; ++i) {
-        const double z = value(epsilon / fall_);
-        (z > 0 ? high : low) = epsilon;
-        const double x = x_ * (1 + epsilon);
-        const double scale = 1 / (1 + epsilon);
-        const double slope = ((a_ + x) * z - x * reversal_mv_ + a_ * excess_mv_) * scale;
-        const double curvature = ((a_ + x - 1) * slope + x_ * (z - reversal_mv_)) * scale;
-        const double newton = z / slope;
-        const double step = newton / std::max(0.5, 1 - 0.5 * newton * curvature / slope);
-        double next = epsilon - step;
+        const double z = value(part);
+        (z > 0 ? low : high) = part;
+        const double rest = 1 + fall_ * part;
+        const double x = x_ * rest;
+        // Times `rest` it is dz/dε, and times its square the derivative after it.
+        const double slope = (a_ + x) * z - x * reversal_mv_ + a_ * excess_mv_;
+        const double bend = (a_ + x - 1) * slope + x * (z - reversal_mv_);
+        const double square = slope * slope;
+        const double step = z * rest * slope / (fall_ * std::max(0.5 * square, square - 0.5 * z * bend));
+        double next = part - step;
         if (!(next >= low && next <= high)) next = 0.5 * (low + high);
         // Convergence is cubic: after a step this small the error is below rounding.
-        if (std::abs(next - epsilon) <= 1e-6 * std::abs(next)) return next;
-        epsilon = next;
+        if (std::abs(next - part) <= 1e-6 * next) return fall_ * next;
+        part = next;
     }
-    return epsilon;
+    return fall_ * part;
 }
 
 }  // namespace afferent

@@ -36,6 +36,7 @@ class ShortInterval {
 
   private:
     double value(double part) const noexcept;
+    double guess() const noexcept;
 
     static constexpr int most = 32;
     std::array<double, most> terms_;  // t_n; the first count_ are set, a multiple of four

@@ -62,7 +62,15 @@ TEST(Sensor, ReadsWholeCountsInProportionToForce) {
     EXPECT_EQ(sensor.counts(state, 10, 0), 4095);
     EXPECT_EQ(sensor.counts(state, 25, 0), 4095) << "beyond full scale";
     EXPECT_EQ(sensor.counts(state, -1, 0), 0);
-    EXPECT_EQ(sensor.counts(state, 5, 0), std::round(4095 / 2.0));
+}
+
+TEST(Sensor, RoundsToTheNearestCountAndTiesUp) {
+    const Sensor sensor({.full_scale_n = 4095, .adc_bits = 12});
+    Sensor::State state;
+    for (const double ties : {0.5, 1.5, 2.5, 2048.5, 4094.5}) {
+        EXPECT_EQ(sensor.counts(state, ties, 0), ties + 0.5);
+        EXPECT_EQ(sensor.counts(state, ties - 1e-9, 0), ties - 0.5);
+    }
 }
 
 // 20 kΩ at rest, 10.25 kΩ at 0.8 N and 2.45 kΩ at 7.2 N, over 4.7 kΩ.
