@@ -63,7 +63,8 @@ ScaleReport measure(const BenchScaleOptions& options) {
     report.targets =
         measure_scale_targets(report.memory, options.quick, [&](double fraction) { progress.at(fraction); });
     if (report.ranks.rows.size() > 1)
-        report.targets.push_back(two_ranks_target(report.ranks.rows, options.quick));
+        for (const ScaleTarget& each : two_ranks_targets(report.ranks, options.quick))
+            report.targets.push_back(each);
     save();
     return report;
 }

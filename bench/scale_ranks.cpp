@@ -37,20 +37,37 @@ struct RankRun {
     double events;
 };
 
+std::vector<std::string> run_command(const std::filesystem::path& program,
+                                     const std::filesystem::path& scene) {
+    return {program.string(), "run", scene.string(), "--json"};
+}
+
+RankRun result_of(ChildProcess& process, const std::string& what) {
+    const auto code = process.wait(std::chrono::minutes(10));
+    if (code != 0)
+        throw std::runtime_error("afferent run " + what + (code ? " failed: " : " did not end: ") +
+                                 process.err());
+    return {number_in_json(process.out(), "run_time_s"), number_in_json(process.out(), "events")};
+}
+
 // More ranks than processors, or root, are refused by mpirun unless it is told that they are meant.
 RankRun run_once(const std::filesystem::path& program, const std::filesystem::path& folder,
                  std::uint32_t ranks) {
-    std::vector<std::string> command{program.string(), "run", (folder / "scale.txtpb").string(), "--json"};
+    std::vector<std::string> command = run_command(program, folder / "scale.txtpb");
     if (ranks > 1)
         command.insert(command.begin(),
                        {"/usr/bin/env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
                         "OMPI_MCA_rmaps_base_oversubscribe=1", "mpirun", "-n", std::to_string(ranks)});
     ChildProcess process(folder, "ranks", command);
-    const auto code = process.wait(std::chrono::minutes(10));
-    if (code != 0)
-        throw std::runtime_error("afferent run on " + std::to_string(ranks) + " ranks " +
-                                 (code ? "failed: " : "did not end: ") + process.err());
-    return {number_in_json(process.out(), "run_time_s"), number_in_json(process.out(), "events")};
+    return result_of(process, "on " + std::to_string(ranks) + " ranks");
+}
+
+// By the slower process.
+double run_halves_s(const std::filesystem::path& program, const std::filesystem::path& folder) {
+    const std::vector<std::string> command = run_command(program, folder / "half.txtpb");
+    ChildProcess first(folder, "first half", command);
+    ChildProcess second(folder, "second half", command);
+    return std::max(result_of(first, "of a half").run_time_s, result_of(second, "of a half").run_time_s);
 }
 
 }  // namespace
@@ -79,14 +96,19 @@ ScaleRanks measure_scale_ranks(const std::filesystem::path& program, bool quick,
     const std::filesystem::path folder = folder_name;
     const Scene scene = scene_of(run, duration_s);
     std::ofstream(folder / "scale.txtpb") << scene.text();
+    ScaleRun half = run;
+    half.population.elements /= 2;
+    std::ofstream(folder / "half.txtpb") << scene_of(half, duration_s).text();
     const Plan plan = make_plan(scene);
     const double frames = duration_s / seconds(scale_frame);
 
     const std::vector<std::uint32_t> counts = scale_threads();
     std::vector<std::vector<double>> frame_s(counts.size());
+    std::vector<double> halves_s;
     double events = -1;
     const std::size_t repeats = quick ? 1 : 5;
-    for (std::size_t repeat = 0; repeat < repeats; ++repeat)
+    for (std::size_t repeat = 0; repeat < repeats; ++repeat) {
+        if (counts.size() > 1) halves_s.push_back(run_halves_s(program, folder) / frames);
         for (std::size_t i = 0; i < counts.size(); ++i) {
             const RankRun measured = run_once(program, folder, counts[i]);
             if (events >= 0 && measured.events != events)
@@ -97,9 +119,11 @@ ScaleRanks measure_scale_ranks(const std::filesystem::path& program, bool quick,
             progress(static_cast<double>(repeat * counts.size() + i + 1) /
                      static_cast<double>(repeats * counts.size()));
         }
+    }
     std::filesystem::remove_all(folder);
 
     ScaleRanks found;
+    if (!halves_s.empty()) found.halves_s = *std::ranges::min_element(halves_s);
     for (std::size_t i = 0; i < counts.size(); ++i) {
         std::ranges::sort(frame_s[i]);
         ScaleCost cost{.frame_s = frame_s[i][repeats / 2],

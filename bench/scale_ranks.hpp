@@ -15,6 +15,10 @@ struct ScaleRanks {
     // Each row is the median of repeats of `afferent run`, sensors included, by the wall clock of rank 0 or
     // of the only process. The repeats of all rows take turns.
     std::vector<ScaleRow> rows = {};
+    // A frame of two processes side by side that exchange nothing, each with half of the elements, by the
+    // slower of them: two ranks take as long at least on this machine. The least of the repeats; 0 on one
+    // processor.
+    double halves_s = 0;
     std::string unavailable = {};  // why there are none; empty: there are
 };
 

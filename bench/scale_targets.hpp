@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/scale_bench.hpp"
+#include "bench/scale_ranks.hpp"
 
 namespace afferent::bench {
 
@@ -33,7 +34,8 @@ struct ScaleMemory {
 std::vector<ScaleMemory> measure_scale_memory(bool quick, const std::function<void(double)>& progress);
 std::vector<ScaleTarget> measure_scale_targets(const std::vector<ScaleMemory>& memory, bool quick,
                                                const std::function<void(double)>& progress);
-// The speed-up from rows[0], measured in one process, to rows[1], measured in two.
-ScaleTarget two_ranks_target(const std::vector<ScaleRow>& rows, bool quick);
+// The speed-up from one process to two ranks, and to two processes that exchange nothing, which is the most
+// that the machine allows. `ranks` has both.
+std::vector<ScaleTarget> two_ranks_targets(const ScaleRanks& ranks, bool quick);
 
 }  // namespace afferent::bench

@@ -168,6 +168,20 @@ TEST(ScaleRanks, SayWhyThereAreNone) {
     EXPECT_NE(found.unavailable.find((folder / "afferent-ranks").string()), std::string::npos);
 }
 
+TEST(ScaleRanks, AreHeldAgainstProcessesThatExchangeNothing) {
+    ScaleRanks ranks{.halves_s = 0.5};
+    for (const double least_wall_s : {1.0, 0.625}) {
+        ranks.rows.push_back({});
+        ranks.rows.back().cost.least_wall_s = least_wall_s;
+    }
+    const auto targets = two_ranks_targets(ranks, false);
+    ASSERT_EQ(targets.size(), 2U);
+    EXPECT_DOUBLE_EQ(targets[0].value, 1.6);
+    EXPECT_EQ(targets[0].asked, 1.8);
+    EXPECT_DOUBLE_EQ(targets[1].value, 2);
+    EXPECT_FALSE(targets[1].asked);
+}
+
 TEST(ScaleRanks, ReadTheNumbersOfARun) {
     const std::string json = "{\n  \"events\": 12,\n  \"run_time_s\": 0.25,\n  \"estimate_n\": null\n}";
     EXPECT_EQ(number_in_json(json, "events"), 12);
