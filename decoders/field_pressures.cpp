@@ -36,6 +36,10 @@ constexpr double nearly_full = 0.98;
 constexpr double expected_part = 0.5;
 constexpr double expected_units = 0.3;
 
+bool is_remembered(const FieldPressures::Last& last, TimePoint now) {
+    return last.pressure > 0 && now - last.time <= forgotten_after;
+}
+
 }  // namespace
 
 FieldPressures::FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2)
@@ -112,53 +116,66 @@ void FieldPressures::resume_after(TimePoint start, TimePoint heard_until) noexce
     std::fill(branches_.begin(), branches_.end(), untouched_);
 }
 
-double FieldPressures::change_per_s(TimePoint now) const noexcept {
+double FieldPressures::Bound::at_most() const noexcept { return pressure + bounds_at * sigma; }
+
+FieldPressures::Bound FieldPressures::bound(std::uint32_t index, TimePoint until) const noexcept {
+    const SpikeReplay::Measurement silent = replay_.silent(index, until);
+    Bound bound{silent.force_n, std::sqrt(silent.variance_n2)};
+    if (std::isfinite(bound.pressure) && std::isfinite(bound.sigma))
+        bound.sigma += sensor_sigma(index, bound.pressure);
+    return bound.at_most() < sensing_[index].full_scale ? bound
+                                                        : Bound{std::numeric_limits<double>::infinity(), 0};
+}
+
+// Afferents that are silent together tell of a fall before each of them does by itself.
+double FieldPressures::change_per_s(TimePoint until, TimePoint now) const noexcept {
     double weights = 0, squares = 0;
-    for (std::size_t i = 0; i < last_.size(); ++i) {
+    double falling = 0, squares_of_falls = 0;
+    for (std::uint32_t i = 0; i < last_.size(); ++i) {
         const Last& last = last_[i];
-        if (!(last.pressure > 0) || last.interval > begins_train || now - last.time > of_late) continue;
-        const double recent = 1 - seconds(now - last.time) / seconds(of_late);
-        const double change = last.change_per_s * unit_n_per_mm2_[i];
-        weights += recent * recent;
-        squares += recent * recent * change * change;
+        if (!is_remembered(last, now)) continue;
+        const double age_s = seconds(now - last.time);
+        const double recent = 1 - age_s / seconds(of_late);
+        if (last.interval <= begins_train && recent > 0) {
+            const double change = last.change_per_s * unit_n_per_mm2_[i];
+            weights += recent * recent;
+            squares += recent * recent * change * change;
+        }
+        const double fall = (last.pressure - bound(i, until).at_most()) / left_below;
+        if (!(fall > 0)) continue;
+        const double change = fall * unit_n_per_mm2_[i] / (age_s + least_interval_s);
+        falling += 1;
+        squares_of_falls += change * change;
     }
-    return weights > 0 ? std::sqrt(squares / weights) : 0;
+    return std::hypot(std::sqrt(squares / std::max(weights, 1e-12)),
+                      std::sqrt(squares_of_falls / std::max(falling, 1.0)));
 }
 
 PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint until, TimePoint now,
                                              double change_per_s) const noexcept {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
     const Last& last = last_[index];
-    const SpikeReplay::Measurement silent = replay_.silent(index, until);
-    double bound = silent.force_n;
-    double bound_sigma = std::sqrt(silent.variance_n2);
-    if (std::isfinite(bound) && std::isfinite(bound_sigma)) bound_sigma += sensor_sigma(index, bound);
-    if (!(bound + bounds_at * bound_sigma < sensing_[index].full_scale)) {
-        bound = infinite;
-        bound_sigma = 0;
-    }
-    const double bounded = bound + bounds_at * bound_sigma;
-    const double least = last.pressure - (last.pressure - bounded) / left_below;
-    if (!(last.pressure > 0) || now - last.time > forgotten_after ||
-        (bounded < last.pressure && !(least > 0)))
-        return {0, bound, bound_sigma, bound_sigma};
+    const Bound bound = this->bound(index, until);
+    const double least = last.pressure - (last.pressure - bound.at_most()) / left_below;
+    if (!is_remembered(last, now) || (bound.at_most() < last.pressure && !(least > 0)))
+        return {0, bound.pressure, bound.sigma, bound.sigma};
     const double age_s = seconds(now - last.time);
     const double may_change =
         (replay_.lost_since(index) ? may_change_unheard_per_s : may_change_per_s) * last.pressure;
     const double sigma =
         std::hypot(std::sqrt(last.variance), (most_change * change_per_s + may_change) * age_s);
-    if (last.pressure >= sensing_[index].full_scale) return {last.pressure, infinite, sigma, sigma};
-    if (bounded < last.pressure) return {least, std::max(least, bound), sigma, bound_sigma};
+    if (last.pressure >= sensing_[index].full_scale)
+        return {last.pressure, std::numeric_limits<double>::infinity(), sigma, sigma};
+    if (bound.at_most() < last.pressure) return {least, std::max(least, bound.pressure), sigma, bound.sigma};
     double highest = last.pressure;
-    if (last.interval > begins_train && std::isfinite(bound))
-        highest += std::max(0.0, bound - highest) * std::min(1.0, age_s / settles_s);
-    return {last.pressure, highest, sigma, std::min(sigma, std::max(0.0, bounded - last.pressure))};
+    if (last.interval > begins_train && std::isfinite(bound.pressure))
+        highest += std::max(0.0, bound.pressure - highest) * std::min(1.0, age_s / settles_s);
+    return {last.pressure, highest, sigma, std::min(sigma, std::max(0.0, bound.at_most() - last.pressure))};
 }
 
 std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept {
     std::uint32_t feel = 0;
     const TimePoint until = std::min(now, std::max(heard_until_, presumed_until_));
-    const double change = change_per_s(now);
+    const double change = change_per_s(until, now);
     for (std::uint32_t i = 0; i < last_.size(); ++i) {
         PressureFit::Reading& reading = readings[i];
         const double unit = unit_n_per_mm2_[i];

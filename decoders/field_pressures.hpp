@@ -16,7 +16,8 @@ namespace afferent {
 // adaptation (spike_replay.hpp). Silence since then bounds the pressure from above by what would have made
 // the afferent fire: a long way above a pressure to which it has adapted. No motion of the pressure is
 // presumed. A measurement that grows old is as uncertain as the pressures have changed lately, wherever on
-// the skin; what an afferent has said before a loss, as if they had changed quickly meanwhile.
+// the skin, by what spikes have measured and by the silence of afferents that should have fired; what an
+// afferent has said before a loss, as if they had changed quickly meanwhile.
 //
 // A spike costs O(1), the readings O(1) for each afferent. Memory: less than 1 kB for each afferent and four
 // bytes for each address, beside the tables of SpikeReplay. Allocates nothing after construction.
@@ -59,10 +60,19 @@ class FieldPressures {
     std::size_t heap_bytes() const noexcept;
 
   private:
+    // What silence leaves possible, in the afferent's own unit; infinite, without sigma, where that reaches
+    // full scale.
+    struct Bound {
+        double pressure, sigma;
+        double at_most() const noexcept;
+    };
+
     void take(std::uint32_t index, TimePoint time) noexcept;
     double sensor_sigma(std::uint32_t index, double pressure) const noexcept;
-    // The root mean square of the changes that have been measured of late, in N/mm² a second.
-    double change_per_s(TimePoint now) const noexcept;
+    // The root mean square of the changes of late, in N/mm² a second: of those that have been measured, and
+    // of the falls that silence up to `until` tells of.
+    double change_per_s(TimePoint until, TimePoint now) const noexcept;
+    Bound bound(std::uint32_t index, TimePoint until) const noexcept;
     PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,
                                  double change_per_s) const noexcept;
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -92,6 +93,26 @@ TEST(FieldPressures, AreLessAndLessCertainAndForgottenAfterHalfASecond) {
         before = reading.below;
     }
     EXPECT_EQ(pressed.readings(last + 600ms)[0].lowest, 0);
+}
+
+// The second afferent fires too rarely to be missed yet.
+TEST(FieldPressures, AreLessCertainWhereOthersFallSilent) {
+    const auto uncertain_of_second = [](Duration first_pressed_until) {
+        FieldPressures pressures(two_afferents(), {unit_n_per_mm2, unit_n_per_mm2});
+        const auto group = two_afferents().groups[0];
+        std::vector<Event> events = fired(
+            group, first_pressed_until, [](double) { return 5; }, 0);
+        const auto of_second = fired(
+            group, 400ms, [](double) { return 0.6; }, 1);
+        events.insert(events.end(), of_second.begin(), of_second.end());
+        std::sort(events.begin(), events.end());
+        pressures.observe(at(0ms), at(450ms), events);
+        std::array<PressureFit::Reading, 2> readings{};
+        pressures.read(at(450ms), readings);
+        EXPECT_NEAR(readings[1].lowest, 0.6 * unit_n_per_mm2, 0.05 * unit_n_per_mm2);
+        return readings[1].below;
+    };
+    EXPECT_GT(uncertain_of_second(400ms), 2 * uncertain_of_second(450ms));
 }
 
 TEST(FieldPressures, MayHaveChangedTenTimesAsFastWhereALossHidesIt) {
