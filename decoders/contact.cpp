@@ -29,6 +29,8 @@ constexpr double near_full_scale = 0.9;
 // contacts usually do: dead elements scatter the readings, and two shapes follow the scatter better than one.
 constexpr double surely_two = 23;
 constexpr double surely_two_of_shapes = 37;
+// The same of a velocity, which has two degrees of freedom.
+constexpr double surely_moves = 14;
 // Alternating between two contacts, each is fitted to what the other leaves.
 constexpr int alternations = 6;
 constexpr int most_divisions = 8;
@@ -86,6 +88,7 @@ ContactReadout::ContactReadout(const Parameters& parameters)
       full_scale_(full_scale_of(parameters)),
       readings_(parameters.afferents.size()),
       rest_(readings_.size()),
+      at_their_times_(2 * readings_.size()),
       side_(readings_.size()) {
     require(interval_ > 0ns, "interval", "> 0", seconds(interval_));
     require(!elements_.empty(), "elements", "at least one", 0);
@@ -116,37 +119,60 @@ std::span<const PatchContact> ContactReadout::step(TimePoint now) {
     return contacts(now);
 }
 
-ContactReadout::Fitted ContactReadout::fit(std::span<const PressureFit::Reading> readings) const noexcept {
-    const PressureFit::Solution solution = fit_(readings);
+ContactReadout::Fitted ContactReadout::fit(Readings readings, bool moves) const noexcept {
+    const PressureFit::Solution solution = fit_(readings, moves);
     return {solution, fit_.shape(solution.values)};
 }
 
-double ContactReadout::misfit(std::span<const Fitted> contacts, bool felt) const noexcept {
+void ContactReadout::blur(std::span<PressureFit::Reading> readings, double highest) noexcept {
+    for (PressureFit::Reading& reading : readings) {
+        reading.below = std::hypot(reading.below, misshapen * highest);
+        reading.above = std::hypot(reading.above, misshapen * highest);
+    }
+}
+
+double ContactReadout::read_by(std::span<const Fitted> contacts, std::size_t reading,
+                               double age_s) const noexcept {
+    const SkinField& field = fit_.fields()[reading % fit_.fields().size()];
+    double pressure = 0;
+    for (const Fitted& contact : contacts) pressure += contact.shape.read_by(field, age_s);
+    return pressure;
+}
+
+double ContactReadout::misfit(Readings readings, std::span<const Fitted> contacts, bool felt) const noexcept {
     double sum = 0;
-    for (std::size_t i = 0; i < readings_.size(); ++i) {
-        if (felt && !(readings_[i].lowest > 0)) continue;
-        double pressure = 0;
-        for (const Fitted& contact : contacts) pressure += contact.shape.read_by(fit_.fields()[i]);
-        const double off = readings_[i].off(pressure);
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        if (felt && !(readings[i].lowest > 0)) continue;
+        const double off = readings[i].off(read_by(contacts, i, readings[i].age_s));
         sum += off * off;
     }
     return sum;
 }
 
+std::optional<ContactReadout::Moving> ContactReadout::fit_moving(TimePoint now, const Fitted& one,
+                                                                 double highest) noexcept {
+    pressures_.read_at_their_times(now, at_their_times_);
+    blur(at_their_times_, highest);
+    const auto off = [&](const Fitted& fitted) { return misfit(at_their_times_, {&fitted, 1}, false); };
+    // No velocity explains more than there is.
+    if (off(one) <= surely_moves) return std::nullopt;
+    const Fitted moving = fit(at_their_times_, true);
+    const double left = off(moving);
+    if (!(off(fit(at_their_times_)) - left > surely_moves)) return std::nullopt;
+    return Moving{moving, left};
+}
+
 // A part d of the elements that is dead takes d of each reading on average, and scatters them by d(1 − d)/n
 // of their squares, where each reads n elements.
-ContactReadout::Doubt ContactReadout::doubt(std::span<const Fitted> contacts,
-                                            std::uint32_t felt) const noexcept {
-    // As many of the readings as a shape has parameters are followed by the fit, whatever they are. Where
-    // there are few others, these tell little.
-    const double followed = static_cast<double>(contacts.size() * PressureShape::parameters);
-    const double hidden = felt / std::max(felt / most_hidden, felt - followed);
+ContactReadout::Doubt ContactReadout::doubt(Readings readings, std::span<const Fitted> contacts,
+                                            std::uint32_t felt, std::size_t followed) const noexcept {
+    // Where there are few readings that the fit does not follow, these tell little.
+    const double hidden = felt / std::max(felt / most_hidden, felt - static_cast<double>(followed));
     double scatter = 0, squares = 0;
-    for (std::size_t i = 0; i < readings_.size(); ++i) {
-        const PressureFit::Reading& reading = readings_[i];
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const PressureFit::Reading& reading = readings[i];
         if (!(reading.lowest > 0)) continue;
-        double pressure = 0;
-        for (const Fitted& contact : contacts) pressure += contact.shape.read_by(fit_.fields()[i]);
+        const double pressure = read_by(contacts, i, reading.age_s);
         const double sigma = pressure > reading.highest ? reading.above : reading.below;
         const double off = reading.off(pressure) * sigma;
         const double usual = usually_off * sigma;
@@ -157,7 +183,7 @@ ContactReadout::Doubt ContactReadout::doubt(std::span<const Fitted> contacts,
     const double product = squares > 0 ? std::clamp(scatter / squares, 0.0, 0.25) : 0;
     const double dead = (1 - std::sqrt(1 - 4 * product)) / 2;
     // Where the readings are further off than they should be, so is the contact.
-    return {std::max(1.0, misfit(contacts, true) / felt), dead / (1 - dead)};
+    return {std::max(1.0, misfit(readings, contacts, true) / felt), dead / (1 - dead)};
 }
 
 bool ContactReadout::divide() noexcept {
@@ -240,21 +266,23 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
     double highest = 0;
     for (const PressureFit::Reading& reading : readings_) highest = std::max(highest, reading.lowest);
     double of_shape = 0;  // of the variance of a reading, on average
-    for (PressureFit::Reading& reading : readings_) {
-        reading.below = std::hypot(reading.below, misshapen * highest);
-        reading.above = std::hypot(reading.above, misshapen * highest);
+    blur(readings_, highest);
+    for (const PressureFit::Reading& reading : readings_)
         if (reading.lowest > 0) of_shape += std::pow(misshapen * highest / reading.below, 2) / afferents;
-    }
-    const auto explained = [&](std::span<const Fitted> two) {
-        const bool fits = misfit(two, true) <= usually_off * usually_off * afferents;
-        return surely_two + surely_two_of_shapes * (fits ? of_shape : 1);
-    };
     const Fitted one = fit(readings_);
-    const double of_one = misfit({&one, 1}, false);
+    const double of_one = misfit(readings_, {&one, 1}, false);
+    const auto moving = fit_moving(now, one, highest);
+    const auto are_two = [&](std::span<const Fitted> two) {
+        const bool fits = misfit(readings_, two, true) <= usually_off * usually_off * afferents;
+        const double of_two = misfit(readings_, two, false);
+        return of_one - of_two > surely_two + surely_two_of_shapes * (fits ? of_shape : 1) &&
+               (!moving || of_two < moving->misfit);
+    };
     if (of_one > surely_two)
-        if (const auto two = fit_two(one); two && of_one - misfit(*two, false) > explained(*two)) {
+        if (const auto two = fit_two(one); two && are_two(*two)) {
             for (std::size_t i = 0; i < 2; ++i)
-                told_[i].estimate = estimate((*two)[i], doubt(*two, afferents));
+                told_[i].estimate =
+                    estimate((*two)[i], doubt(readings_, *two, afferents, 2 * PressureShape::at_present));
             // An afferent is counted where it feels more.
             for (std::size_t i = 0; i < readings_.size(); ++i)
                 if (readings_[i].lowest > 0) {
@@ -268,7 +296,10 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
                 return told_;
             }
         }
-    told_[0].estimate = estimate(one, doubt({&one, 1}, afferents));
+    told_[0].estimate =
+        moving ? estimate(moving->fitted,
+                          doubt(at_their_times_, {&moving->fitted, 1}, afferents, PressureShape::parameters))
+               : estimate(one, doubt(readings_, {&one, 1}, afferents, PressureShape::at_present));
     told_[0].estimate.afferents = afferents;
     return std::span(told_).first(1);
 }
@@ -301,7 +332,9 @@ ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doub
 std::size_t ContactReadout::bytes() const {
     return sizeof *this + pressures_.heap_bytes() + fit_.heap_bytes() +
            elements_.capacity() * sizeof(SkinField) +
-           (readings_.capacity() + rest_.capacity()) * sizeof(PressureFit::Reading) + side_.capacity();
+           (readings_.capacity() + rest_.capacity() + at_their_times_.capacity()) *
+               sizeof(PressureFit::Reading) +
+           side_.capacity();
 }
 
 }  // namespace afferent

@@ -22,6 +22,7 @@ constexpr double least_interval_s = 5e-3;
 constexpr double most_change = 2;
 // By these parts of a pressure it may have changed in a second that was heard, and in one that was lost.
 constexpr double may_change_per_s = 1;
+constexpr double changes_while_moving_per_s = 2;  // the same of a contact that moves
 constexpr double may_change_unheard_per_s = 10;
 // A bound by silence holds but for so many standard deviations.
 constexpr double bounds_at = 2;
@@ -151,6 +152,11 @@ double FieldPressures::change_per_s(TimePoint until, TimePoint now) const noexce
                       std::sqrt(squares_of_falls / std::max(falling, 1.0)));
 }
 
+double FieldPressures::settled(const Last& last, const Bound& bound, double age_s) noexcept {
+    if (last.interval <= begins_train || !std::isfinite(bound.pressure)) return last.pressure;
+    return last.pressure + std::max(0.0, bound.pressure - last.pressure) * std::min(1.0, age_s / settles_s);
+}
+
 PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint until, TimePoint now,
                                              double change_per_s) const noexcept {
     const Last& last = last_[index];
@@ -166,10 +172,8 @@ PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint unti
     if (last.pressure >= sensing_[index].full_scale)
         return {last.pressure, std::numeric_limits<double>::infinity(), sigma, sigma};
     if (bound.at_most() < last.pressure) return {least, std::max(least, bound.pressure), sigma, bound.sigma};
-    double highest = last.pressure;
-    if (last.interval > begins_train && std::isfinite(bound.pressure))
-        highest += std::max(0.0, bound.pressure - highest) * std::min(1.0, age_s / settles_s);
-    return {last.pressure, highest, sigma, std::min(sigma, std::max(0.0, bound.at_most() - last.pressure))};
+    return {last.pressure, settled(last, bound, age_s), sigma,
+            std::min(sigma, std::max(0.0, bound.at_most() - last.pressure))};
 }
 
 std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept {
@@ -187,6 +191,29 @@ std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading
         feel += reading.lowest > 0;
     }
     return feel;
+}
+
+void FieldPressures::read_at_their_times(TimePoint now,
+                                         std::span<PressureFit::Reading> readings) const noexcept {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const TimePoint until = std::min(now, std::max(heard_until_, presumed_until_));
+    for (std::uint32_t i = 0; i < last_.size(); ++i) {
+        const Last& last = last_[i];
+        const double unit = unit_n_per_mm2_[i];
+        const Bound bound = this->bound(i, until);
+        readings[last_.size() + i] = {0, bound.pressure * unit, bound.sigma * unit, bound.sigma * unit,
+                                      seconds(now - until)};
+        readings[i] = {0, infinite, 0, 0};
+        if (!is_remembered(last, now)) continue;
+        const double age_s = seconds(now - last.time);
+        const double change_per_s =
+            replay_.lost_since(i) ? may_change_unheard_per_s : changes_while_moving_per_s;
+        const double sigma =
+            unit * std::hypot(std::sqrt(last.variance), change_per_s * last.pressure * age_s);
+        const double highest =
+            last.pressure >= sensing_[i].full_scale ? infinite : settled(last, bound, age_s);
+        readings[i] = {last.pressure * unit, highest * unit, sigma, sigma, age_s};
+    }
 }
 
 FieldPressures::Snapshot FieldPressures::snapshot() const {

@@ -56,6 +56,9 @@ class FieldPressures {
 
     // The pressures at `now`, in N/mm², as many as there are afferents; how many of these feel one.
     std::uint32_t read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept;
+    // For contacts that move: what has been measured of each afferent, at the age that it has, and then what
+    // silence bounds now. Twice as many as there are afferents.
+    void read_at_their_times(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept;
 
     std::size_t heap_bytes() const noexcept;
 
@@ -73,6 +76,8 @@ class FieldPressures {
     // of the falls that silence up to `until` tells of.
     double change_per_s(TimePoint until, TimePoint now) const noexcept;
     Bound bound(std::uint32_t index, TimePoint until) const noexcept;
+    // The highest pressure that a measurement of that age leaves possible.
+    static double settled(const Last& last, const Bound& bound, double age_s) noexcept;
     PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,
                                  double change_per_s) const noexcept;
 

@@ -19,6 +19,10 @@ constexpr std::size_t parameters = PressureShape::parameters;
 constexpr double size_sd = 1.5;
 constexpr double form_sd = 1.5;
 constexpr double peak_sd = 1;
+constexpr double speed_sd_mm_per_s = 30;
+constexpr double stands = 1e-6;  // the same of what does not move
+// Ages that differ by less tell of no velocity.
+constexpr double least_age_sd_s = 0.01;
 // Logarithms of mm² beyond which a shape is as good as a point, and as a plane.
 constexpr double least_log = -9;
 constexpr double most_log = 9;
@@ -37,7 +41,7 @@ constexpr double narrow_width = 0.55;
 }  // namespace
 
 PressureShape::PressureShape(const Values& values, double mean_variance_mm2) noexcept
-    : x_(values[x]), y_(values[y]) {
+    : x_(values[x]), y_(values[y]), vx_(values[vx]), vy_(values[vy]) {
     const double form = std::hypot(values[d], values[e]);
     major_ = std::exp(std::clamp(values[m] + form, least_log, most_log));
     minor_ = std::exp(std::clamp(values[m] - form, least_log, most_log));
@@ -48,9 +52,9 @@ PressureShape::PressureShape(const Values& values, double mean_variance_mm2) noe
         std::exp(values[log_peak]) * std::sqrt((major_ + mean_variance_mm2) * (minor_ + mean_variance_mm2));
 }
 
-double PressureShape::read_by(const SkinField& field) const noexcept {
-    const double dx = field.x_mm - x_;
-    const double dy = field.y_mm - y_;
+double PressureShape::read_by(const SkinField& field, double age_s) const noexcept {
+    const double dx = field.x_mm - (x_ - vx_ * age_s);
+    const double dy = field.y_mm - (y_ - vy_ * age_s);
     const double along = dx * cos_ + dy * sin_;
     const double across = dy * cos_ - dx * sin_;
     const auto gaussian = [&](double width) {
@@ -76,27 +80,48 @@ PressureFit::PressureFit(std::vector<SkinField> fields, double usual_mm) : field
     weigh(PressureShape::m, size_sd);
     weigh(PressureShape::d, form_sd);
     weigh(PressureShape::e, form_sd);
+    weigh(PressureShape::vx, speed_sd_mm_per_s);
+    weigh(PressureShape::vy, speed_sd_mm_per_s);
 }
 
-PressureFit::Values PressureFit::start(std::span<const Reading> readings) const noexcept {
-    double sum = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, peak = 0;
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double pressure = std::max(0.0, readings[i].lowest);
+PressureFit::Values PressureFit::start(std::span<const Reading> readings, bool moves) const noexcept {
+    double sum = 0, x = 0, y = 0, age = 0, peak = 0;
+    const auto for_each = [&](auto&& use) {
+        for (std::size_t i = 0; i < readings.size(); ++i)
+            if (readings[i].lowest > 0) use(readings[i].lowest, field_of(i), readings[i].age_s);
+    };
+    for_each([&](double pressure, const SkinField& field, double age_s) {
         sum += pressure;
-        x += pressure * fields_[i].x_mm;
-        y += pressure * fields_[i].y_mm;
+        x += pressure * field.x_mm;
+        y += pressure * field.y_mm;
+        age += pressure * age_s;
         peak = std::max(peak, pressure);
-    }
+    });
     x /= sum;
     y /= sum;
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double part = std::max(0.0, readings[i].lowest) / sum;
-        const double dx = fields_[i].x_mm - x;
-        const double dy = fields_[i].y_mm - y;
-        xx += part * dx * dx;
-        xy += part * dx * dy;
-        yy += part * dy * dy;
+    age /= sum;
+    // The velocity is the slope of the places over the times.
+    double vx = 0, vy = 0;
+    if (moves) {
+        double ages = sum * least_age_sd_s * least_age_sd_s, xs = 0, ys = 0;
+        for_each([&](double pressure, const SkinField& field, double age_s) {
+            ages += pressure * (age_s - age) * (age_s - age);
+            xs += pressure * (age_s - age) * (field.x_mm - x);
+            ys += pressure * (age_s - age) * (field.y_mm - y);
+        });
+        vx = -xs / ages;
+        vy = -ys / ages;
+        x += vx * age;
+        y += vy * age;
     }
+    double xx = 0, xy = 0, yy = 0;
+    for_each([&](double pressure, const SkinField& field, double age_s) {
+        const double dx = field.x_mm + vx * age_s - x;
+        const double dy = field.y_mm + vy * age_s - y;
+        xx += pressure / sum * dx * dx;
+        xy += pressure / sum * dx * dy;
+        yy += pressure / sum * dy * dy;
+    });
     const double least_mm2 = std::exp(usual_log_mm2_) / 10;
     const double middle = (xx + yy) / 2;
     const double form = std::hypot((xx - yy) / 2, xy);
@@ -107,28 +132,34 @@ PressureFit::Values PressureFit::start(std::span<const Reading> readings) const 
     values[PressureShape::log_peak] = std::log(peak);
     values[PressureShape::x] = x;
     values[PressureShape::y] = y;
+    values[PressureShape::vx] = vx;
+    values[PressureShape::vy] = vy;
     values[PressureShape::m] = (major + minor) / 2;
     values[PressureShape::d] = form > 0 ? length * (xx - yy) / 2 / form : 0;
     values[PressureShape::e] = form > 0 ? length * xy / form : 0;
     return values;
 }
 
-double PressureFit::cost(std::span<const Reading> readings, const Values& prior,
-                         const Values& values) const noexcept {
-    const PressureShape at = shape(values);
-    double cost = 0;
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double off = readings[i].off(at.read_by(fields_[i]));
-        cost += off * off;
+double PressureFit::misfit(std::span<const Reading> readings, const PressureShape& shape) const noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const double off = readings[i].off(shape.read_by(field_of(i), readings[i].age_s));
+        sum += off * off;
     }
+    return sum;
+}
+
+double PressureFit::cost(std::span<const Reading> readings, const Prior& prior,
+                         const Values& values) const noexcept {
+    double cost = misfit(readings, shape(values));
     for (std::size_t k = 0; k < parameters; ++k) {
-        const double off = values[k] - prior[k];
-        cost += weight_[k] * off * off;
+        const double off = values[k] - prior.mean[k];
+        cost += prior.weight[k] * off * off;
     }
     return cost;
 }
 
-PressureFit::Slope PressureFit::slope(std::span<const Reading> readings, const Values& prior,
+PressureFit::Slope PressureFit::slope(std::span<const Reading> readings, const Prior& prior,
                                       const Values& values) const noexcept {
     constexpr double step = 1e-5;
     const PressureShape at = shape(values);
@@ -138,35 +169,41 @@ PressureFit::Slope PressureFit::slope(std::span<const Reading> readings, const V
         return shape(other);
     };
     const std::array<PressureShape, parameters> above{moved(0, step), moved(1, step), moved(2, step),
-                                                      moved(3, step), moved(4, step), moved(5, step)};
+                                                      moved(3, step), moved(4, step), moved(5, step),
+                                                      moved(6, step), moved(7, step)};
     Slope slope;
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const double read = at.read_by(fields_[i]);
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const SkinField& field = field_of(i);
+        const double read = at.read_by(field, readings[i].age_s);
         const double off = readings[i].off(read);
         const double off_slope = readings[i].off_slope(read);
         if (off_slope == 0) continue;
         Values change;
         for (std::size_t k = 0; k < parameters; ++k)
-            change[k] = (above[k].read_by(fields_[i]) - read) / step * off_slope;
+            change[k] = (above[k].read_by(field, readings[i].age_s) - read) / step * off_slope;
         for (std::size_t k = 0; k < parameters; ++k) {
             slope.gradient[k] += change[k] * off;
             for (std::size_t j = 0; j <= k; ++j) slope.curvature[k][j] += change[k] * change[j];
         }
     }
     for (std::size_t k = 0; k < parameters; ++k) {
-        slope.gradient[k] += weight_[k] * (prior[k] - values[k]);
-        slope.curvature[k][k] += weight_[k];
+        slope.gradient[k] += prior.weight[k] * (prior.mean[k] - values[k]);
+        slope.curvature[k][k] += prior.weight[k];
     }
     return slope;
 }
 
 // Levenberg and Marquardt.
-PressureFit::Solution PressureFit::operator()(std::span<const Reading> readings) const noexcept {
+PressureFit::Solution PressureFit::operator()(std::span<const Reading> readings, bool moves) const noexcept {
     Solution solution;
-    Values& values = solution.values = start(readings);
-    Values prior = values;
-    prior[PressureShape::m] = usual_log_mm2_;
-    prior[PressureShape::d] = prior[PressureShape::e] = 0;
+    Values& values = solution.values = start(readings, moves);
+    Prior prior{values, weight_};
+    prior.mean[PressureShape::m] = usual_log_mm2_;
+    for (const std::size_t k : {PressureShape::d, PressureShape::e, PressureShape::vx, PressureShape::vy})
+        prior.mean[k] = 0;
+    if (!moves)
+        for (const std::size_t k : {PressureShape::vx, PressureShape::vy})
+            prior.weight[k] = 1 / (stands * stands);
     double least = cost(readings, prior, values);
     Slope at = slope(readings, prior, values);
     double damping = 1e-3;
