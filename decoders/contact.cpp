@@ -17,6 +17,8 @@ constexpr double area_of_fit = 1.1;
 // By these parts force and area are off where the shape alone is not as fitted.
 constexpr double force_of_shape = 0.02;
 constexpr double area_of_shape = 0.06;
+// By this part a velocity is off where pressures rise and fall as well.
+constexpr double velocity_of_change = 0.1;
 // Where a contact has the fitted shape, its readings are off by this part of their deviations.
 constexpr double usually_off = 0.5;
 // What a fit hides of the readings' scatter is taken for this many times what is left, at most.
@@ -296,10 +298,14 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
                 return told_;
             }
         }
-    told_[0].estimate =
-        moving ? estimate(moving->fitted,
-                          doubt(at_their_times_, {&moving->fitted, 1}, afferents, PressureShape::parameters))
-               : estimate(one, doubt(readings_, {&one, 1}, afferents, PressureShape::at_present));
+    if (moving) {
+        const Doubt doubted =
+            doubt(at_their_times_, {&moving->fitted, 1}, afferents, PressureShape::parameters);
+        told_[0].estimate = estimate(moving->fitted, doubted);
+        add_velocity(moving->fitted, doubted, told_[0].estimate);
+    } else {
+        told_[0].estimate = estimate(one, doubt(readings_, {&one, 1}, afferents, PressureShape::at_present));
+    }
     told_[0].estimate.afferents = afferents;
     return std::span(told_).first(1);
 }
@@ -327,6 +333,22 @@ ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doub
             .y_sigma_mm = std::sqrt(variance.y_mm),
             .area_mm2 = sums.area_mm2,
             .area_sigma_mm2 = std::hypot(std::sqrt(variance.area_mm2), area_of_shape * sums.area_mm2)};
+}
+
+void ContactReadout::add_velocity(const Fitted& fitted, const Doubt& doubt,
+                                  ContactEstimate& estimate) noexcept {
+    estimate.slides = true;
+    estimate.velocity_x_mm_per_s = fitted.solution.values[PressureShape::vx];
+    estimate.velocity_y_mm_per_s = fitted.solution.values[PressureShape::vy];
+    const double of_change =
+        velocity_of_change * std::hypot(estimate.velocity_x_mm_per_s, estimate.velocity_y_mm_per_s);
+    const auto sigma = [&](std::size_t parameter) {
+        double variance = of_change * of_change;
+        for (const double each : fitted.solution.deviation[parameter]) variance += doubt.excess * each * each;
+        return std::sqrt(variance);
+    };
+    estimate.velocity_x_sigma_mm_per_s = sigma(PressureShape::vx);
+    estimate.velocity_y_sigma_mm_per_s = sigma(PressureShape::vy);
 }
 
 std::size_t ContactReadout::bytes() const {

@@ -26,6 +26,10 @@ struct ContactEstimate {
     double x_mm = 0, x_sigma_mm = 0;
     double y_mm = 0, y_sigma_mm = 0;
     double area_mm2 = 0, area_sigma_mm2 = 0;
+    // Whether it moves over the skin, and how fast. Along its length little is known of that.
+    bool slides = false;
+    double velocity_x_mm_per_s = 0, velocity_x_sigma_mm_per_s = 0;
+    double velocity_y_mm_per_s = 0, velocity_y_sigma_mm_per_s = 0;
 
     friend bool operator==(const ContactEstimate&, const ContactEstimate&) = default;
 };
@@ -92,6 +96,13 @@ struct PatchContact {
         column("y_sigma_mm", where_found(estimate.y_sigma_mm));
         column("area_mm2", estimate.area_mm2);
         column("area_sigma_mm2", estimate.area_sigma_mm2);
+        const auto where_slides = [this](double value) {
+            return estimate.slides ? std::optional(value) : std::nullopt;
+        };
+        column("velocity_x_mm_per_s", where_slides(estimate.velocity_x_mm_per_s));
+        column("velocity_x_sigma_mm_per_s", where_slides(estimate.velocity_x_sigma_mm_per_s));
+        column("velocity_y_mm_per_s", where_slides(estimate.velocity_y_mm_per_s));
+        column("velocity_y_sigma_mm_per_s", where_slides(estimate.velocity_y_sigma_mm_per_s));
     }
     friend bool operator==(const PatchContact&, const PatchContact&) = default;
 };

@@ -101,6 +101,7 @@ TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
             // A field that a hundredth of the pressure reaches is silent: its threshold is 0.3 units.
             EXPECT_GT(estimate.afferents, 10U);
             EXPECT_LT(estimate.afferents, 60U);
+            EXPECT_FALSE(estimate.slides);
             EXPECT_NEAR(estimate.force_n, press.force_n(), 0.05 * press.force_n());
             EXPECT_NEAR(estimate.x_mm, press.x_mm, 0.05);
             EXPECT_NEAR(estimate.y_mm, press.y_mm, 0.05);
@@ -111,6 +112,50 @@ TEST(ContactReadout, TellsForceCentreAndAreaOfAPress) {
                       std::abs(estimate.area_mm2 - press.area_mm2()) < 2 * estimate.area_sigma_mm2;
         }
         EXPECT_EQ(inside, 26U) << "of two sigma, which hold what another shape would cost";
+    }
+}
+
+// A sphere that begins at one side of the skin and slides to the other.
+TEST(ContactReadout, TellsWhereAContactIsWhileItSlides) {
+    const auto parameters = skin();
+    const Press press{0.05, 0, 0, 1.6};
+    for (const auto& [speed_x, speed_y] : {std::pair{12.0, 0.0}, {-8.0, 5.0}}) {
+        const auto place = [](double speed, double time_s) { return speed * (time_s - 0.3); };
+        constexpr double step_mm = 0.05;
+        std::vector<double> by_distance;
+        for (double mm = 0; mm < 12; mm += step_mm) by_distance.push_back(press.read_by({mm, 0, field_mm2}));
+        std::vector<Event> events;
+        for (const auto& [address, group, unit, field] : parameters.afferents) {
+            const auto felt = [&](double time_s) {
+                const double mm =
+                    std::hypot(field.x_mm - place(speed_x, time_s), field.y_mm - place(speed_y, time_s)) /
+                    step_mm;
+                const auto at = static_cast<std::size_t>(mm);
+                return std::lerp(by_distance[at], by_distance[at + 1], mm - static_cast<double>(at)) / unit;
+            };
+            const auto train = fired(group, 500ms, felt, address);
+            events.insert(events.end(), train.begin(), train.end());
+        }
+        std::sort(events.begin(), events.end());
+        ContactReadout readout(parameters);
+        int told = 0, inside = 0;
+        for (const auto& [time, patch, contact, estimate] : contacts(readout, events, 0ms, 500ms)) {
+            if (time < at(200ms)) continue;
+            ++told;
+            ASSERT_TRUE(estimate.slides) << seconds(time);
+            const double x_mm = place(speed_x, seconds(time));
+            const double y_mm = place(speed_y, seconds(time));
+            // Within a field and what it slides in the 5 ms in which a neuron fires.
+            EXPECT_NEAR(estimate.x_mm, x_mm, 0.3) << seconds(time);
+            EXPECT_NEAR(estimate.y_mm, y_mm, 0.3) << seconds(time);
+            EXPECT_NEAR(estimate.force_n, press.force_n(), 0.25 * press.force_n()) << seconds(time);
+            inside +=
+                std::abs(estimate.velocity_x_mm_per_s - speed_x) < 2 * estimate.velocity_x_sigma_mm_per_s &&
+                std::abs(estimate.velocity_y_mm_per_s - speed_y) < 2 * estimate.velocity_y_sigma_mm_per_s;
+            EXPECT_NEAR(estimate.velocity_x_mm_per_s, speed_x, 4) << seconds(time);
+            EXPECT_NEAR(estimate.velocity_y_mm_per_s, speed_y, 4) << seconds(time);
+        }
+        EXPECT_GE(inside, 0.8 * told) << told;
     }
 }
 

@@ -209,12 +209,33 @@ std::vector<std::string> columns_of(const Readout& readout) {
 }
 
 TEST(PatchContact, HasAColumnForEachOfItsValues) {
-    PatchContact contact{
-        .time = at(1ms), .patch = {2}, .contact = 1, .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11}};
-    std::vector<std::string> columns{"time=1",    "patch=2",         "contact=1",   "afferents=3",
-                                     "force_n=4", "force_sigma_n=5", "x_mm=6",      "x_sigma_mm=7",
-                                     "y_mm=8",    "y_sigma_mm=9",    "area_mm2=10", "area_sigma_mm2=11"};
+    PatchContact contact{.time = at(1ms),
+                         .patch = {2},
+                         .contact = 1,
+                         .estimate = {3, 4, 5, 6, 7, 8, 9, 10, 11, true, 12, 13, 14, 15}};
+    std::vector<std::string> columns{"time=1",
+                                     "patch=2",
+                                     "contact=1",
+                                     "afferents=3",
+                                     "force_n=4",
+                                     "force_sigma_n=5",
+                                     "x_mm=6",
+                                     "x_sigma_mm=7",
+                                     "y_mm=8",
+                                     "y_sigma_mm=9",
+                                     "area_mm2=10",
+                                     "area_sigma_mm2=11",
+                                     "velocity_x_mm_per_s=12",
+                                     "velocity_x_sigma_mm_per_s=13",
+                                     "velocity_y_mm_per_s=14",
+                                     "velocity_y_sigma_mm_per_s=15"};
     EXPECT_EQ(columns_of(contact), columns);
+    contact.estimate.slides = false;
+    columns[12] = "velocity_x_mm_per_s=";
+    columns[13] = "velocity_x_sigma_mm_per_s=";
+    columns[14] = "velocity_y_mm_per_s=";
+    columns[15] = "velocity_y_sigma_mm_per_s=";
+    EXPECT_EQ(columns_of(contact), columns) << "what stands has no velocity";
     contact.estimate.afferents = 0;
     columns[3] = "afferents=0";
     columns[6] = "x_mm=";

@@ -85,6 +85,31 @@ TEST(PressureFit, FindsAShapeAsItIs) {
 // Errors of the readings that are as large as they say come out as large as the fit says: 68 % of them within
 // one standard deviation, and 95 % within two. Of 200 fits, binomial deviations are 3.3 and 1.5 %; three of
 // them are allowed, and 3 % for what is not linear.
+// Each field has read it at another time, up to 0.15 s ago, and nothing is known of its velocity but that.
+TEST(PressureFit, FindsAShapeWhereItIsWhileItMoves) {
+    const PressureFit fit(lattice_of_fields(), 1);
+    const PressureShape::Values truth{std::log(0.01), 0.3, -0.4, std::log(0.8), 0.4, -0.3, 12, -7};
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<> age_s(0, 0.15);
+    std::vector<PressureFit::Reading> readings;
+    for (const SkinField& field : fit.fields()) {
+        const double age = age_s(random);
+        // As it would be read now where the field lay as far ahead as it has moved since.
+        const double read =
+            fit.shape(truth).read_by({field.x_mm + truth[PressureShape::vx] * age,
+                                      field.y_mm + truth[PressureShape::vy] * age, field.variance_mm2});
+        readings.push_back({read, read, 1e-6, 1e-6, age});
+    }
+    const PressureFit::Solution moving = fit(readings, true);
+    for (std::size_t k = 0; k < PressureShape::parameters; ++k)
+        EXPECT_NEAR(moving.values[k], truth[k], k < PressureShape::at_present ? 1e-3 : 0.05) << k;
+    EXPECT_LT(fit.misfit(readings, fit.shape(moving.values)), 1);
+    const PressureFit::Solution still = fit(readings);
+    EXPECT_NEAR(still.values[PressureShape::vx], 0, 1e-3);
+    EXPECT_NEAR(still.values[PressureShape::vy], 0, 1e-3);
+    EXPECT_GT(fit.misfit(readings, fit.shape(still.values)), 1e4);
+}
+
 TEST(PressureFit, KnowsHowSureItIs) {
     const PressureFit fit(lattice_of_fields(), 1);
     const PressureShape::Values truth{std::log(0.01), 0.2, 0.4, std::log(0.8), 0.3, -0.2};

@@ -19,7 +19,8 @@ std::string columns_of() {
 TEST(Readouts, HaveTheColumnsOfTheirTables) {
     EXPECT_EQ(columns_of<PatchContact>(),
               "time,patch,contact,afferents,force_n,force_sigma_n,x_mm,x_sigma_mm,y_mm,y_sigma_mm,area_mm2,"
-              "area_sigma_mm2");
+              "area_sigma_mm2,velocity_x_mm_per_s,velocity_x_sigma_mm_per_s,velocity_y_mm_per_s,"
+              "velocity_y_sigma_mm_per_s");
     EXPECT_EQ(columns_of<EdgeTouch>(),
               "time,patch,told,afferents,orientation_deg,orientation_sigma_deg,direction_deg,speed_mm_per_s,"
               "speed_sigma_mm_per_s");
