@@ -552,7 +552,7 @@ TEST(Readouts, AreTheSameOnBothEndsOfALink) {
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
-    EXPECT_EQ(numbers_read_out(run.steps), 90U * 12 + 9 + 2 * 14)
+    EXPECT_EQ(numbers_read_out(run.steps), 90U * 16 + 9 + 2 * 14)
         << "a contact each 10 ms, a touch, and two windows";
 }
 
@@ -583,7 +583,7 @@ TEST(Readouts, AreTheSameInAReplay) {
     EXPECT_EQ(replayed, recorded);
     std::size_t numbers = 0;
     for (const auto& step : recorded) numbers += step.size();
-    EXPECT_GE(numbers, 90U * 12) << "a contact each 10 ms";
+    EXPECT_GE(numbers, 90U * 16) << "a contact each 10 ms";
     // Another decoder has no contact, which takes the filter.
     scene::Decoder inversion;
     inversion.kind = scene::Inversion();
