@@ -152,6 +152,11 @@ double FieldPressures::change_per_s(TimePoint until, TimePoint now) const noexce
                       std::sqrt(squares_of_falls / std::max(falling, 1.0)));
 }
 
+double FieldPressures::may_have_changed(const Last& last, TimePoint now, double per_s) const noexcept {
+    const double lost_s = seconds(replay_.lost_between(last.time, now));
+    return last.pressure * (per_s * (seconds(now - last.time) - lost_s) + may_change_unheard_per_s * lost_s);
+}
+
 double FieldPressures::settled(const Last& last, const Bound& bound, double age_s) noexcept {
     if (last.interval <= begins_train || !std::isfinite(bound.pressure)) return last.pressure;
     return last.pressure + std::max(0.0, bound.pressure - last.pressure) * std::min(1.0, age_s / settles_s);
@@ -165,10 +170,9 @@ PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint unti
     if (!is_remembered(last, now) || (bound.at_most() < last.pressure && !(least > 0)))
         return {0, bound.pressure, bound.sigma, bound.sigma};
     const double age_s = seconds(now - last.time);
-    const double may_change =
-        (replay_.lost_since(index) ? may_change_unheard_per_s : may_change_per_s) * last.pressure;
     const double sigma =
-        std::hypot(std::sqrt(last.variance), (most_change * change_per_s + may_change) * age_s);
+        std::hypot(std::sqrt(last.variance),
+                   most_change * change_per_s * age_s + may_have_changed(last, now, may_change_per_s));
     if (last.pressure >= sensing_[index].full_scale)
         return {last.pressure, std::numeric_limits<double>::infinity(), sigma, sigma};
     if (bound.at_most() < last.pressure) return {least, std::max(least, bound.pressure), sigma, bound.sigma};
@@ -206,10 +210,8 @@ void FieldPressures::read_at_their_times(TimePoint now,
         readings[i] = {0, infinite, 0, 0};
         if (!is_remembered(last, now)) continue;
         const double age_s = seconds(now - last.time);
-        const double change_per_s =
-            replay_.lost_since(i) ? may_change_unheard_per_s : changes_while_moving_per_s;
-        const double sigma =
-            unit * std::hypot(std::sqrt(last.variance), change_per_s * last.pressure * age_s);
+        const double sigma = unit * std::hypot(std::sqrt(last.variance),
+                                               may_have_changed(last, now, changes_while_moving_per_s));
         const double highest =
             last.pressure >= sensing_[i].full_scale ? infinite : settled(last, bound, age_s);
         readings[i] = {last.pressure * unit, highest * unit, sigma, sigma, age_s};

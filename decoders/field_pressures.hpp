@@ -76,6 +76,8 @@ class FieldPressures {
     // of the falls that silence up to `until` tells of.
     double change_per_s(TimePoint until, TimePoint now) const noexcept;
     Bound bound(std::uint32_t index, TimePoint until) const noexcept;
+    // Since it was measured, where it may change by that part in a second that was heard.
+    double may_have_changed(const Last& last, TimePoint now, double per_s) const noexcept;
     // The highest pressure that a measurement of that age leaves possible.
     static double settled(const Last& last, const Bound& bound, double age_s) noexcept;
     PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,

@@ -273,6 +273,14 @@ void SpikeReplay::lose(TimePoint begin, TimePoint end) noexcept {
     spans[0] = {begin, end};
 }
 
+Duration SpikeReplay::lost_between(TimePoint begin, TimePoint end) const noexcept {
+    Duration lost{};
+    for (std::size_t i = 0; i < losses_.count && losses_.spans[i].end > begin; ++i)
+        lost += std::max(std::min(losses_.spans[i].end, end) - std::max(losses_.spans[i].begin, begin),
+                         Duration(0));
+    return lost;
+}
+
 double SpikeReplay::doubted_spikes(double tau_g_s) const noexcept {
     if (start_ == scene_start) return 0;
     if (held_hz_ > 0) return held_doubt / std::expm1(1 / (held_hz_ * tau_g_s));

@@ -91,6 +91,8 @@ class SpikeReplay {
     bool lost_since(std::uint32_t index) const noexcept {
         return losses_.count > 0 && losses_.spans[0].end > trains_[index].since;
     }
+    // How much of that time was lost, by the latest spans.
+    Duration lost_between(TimePoint begin, TimePoint end) const noexcept;
     // A spike, and what it tells; where something may have been lost, by what is expected.
     Spike hear(std::uint32_t index, TimePoint time) noexcept;
     Spike hear(std::uint32_t index, TimePoint time, const Expected& expected) noexcept;
