@@ -432,7 +432,8 @@ TEST(Readouts, TellThatAContactEnds) {
         std::printf("\n");
         const auto told = [&](int ms) { return by_ms[ms].told / by_ms[ms].count; };
         EXPECT_NEAR(told(-50), 1, 0.1) << name;
-        EXPECT_LT(told(200), 0.6) << name;
+        // A contact that few afferents feel is the slower to end.
+        EXPECT_LT(told(300), 0.6) << name;
         EXPECT_NEAR(told(600), kept, 0.1) << name;
         EXPECT_GE(by_ms[200].covered + by_ms[300].covered, (kept > 0 ? 1 : 2) * seeds) << name;
     }
