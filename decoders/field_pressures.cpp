@@ -22,7 +22,7 @@ constexpr double least_interval_s = 5e-3;
 constexpr double most_change = 2;
 // By these parts of a pressure it may have changed in a second that was heard, and in one that was lost.
 constexpr double may_change_per_s = 1;
-constexpr double changes_while_moving_per_s = 2;  // the same of a contact that moves
+constexpr double changes_while_moving_per_s = 2;  // heard, of a contact that moves
 constexpr double may_change_unheard_per_s = 10;
 // A bound by silence holds but for so many standard deviations.
 constexpr double bounds_at = 2;
@@ -148,8 +148,8 @@ double FieldPressures::change_per_s(TimePoint until, TimePoint now) const noexce
         falling += 1;
         squares_of_falls += change * change;
     }
-    return std::hypot(std::sqrt(squares / std::max(weights, 1e-12)),
-                      std::sqrt(squares_of_falls / std::max(falling, 1.0)));
+    return std::hypot(weights > 0 ? std::sqrt(squares / weights) : 0,
+                      falling > 0 ? std::sqrt(squares_of_falls / falling) : 0);
 }
 
 double FieldPressures::may_have_changed(const Last& last, TimePoint now, double per_s) const noexcept {

@@ -20,7 +20,7 @@ constexpr double size_sd = 1.5;
 constexpr double form_sd = 1.5;
 constexpr double peak_sd = 1;
 constexpr double speed_sd_mm_per_s = 30;
-constexpr double stands = 1e-6;  // the same of what does not move
+constexpr double stands_mm_per_s = 1e-6;  // instead, where the velocity is to be 0
 // Ages that differ by less tell of no velocity.
 constexpr double least_age_sd_s = 0.01;
 // Logarithms of mm² beyond which a shape is as good as a point, and as a plane.
@@ -203,7 +203,7 @@ PressureFit::Solution PressureFit::operator()(std::span<const Reading> readings,
         prior.mean[k] = 0;
     if (!moves)
         for (const std::size_t k : {PressureShape::vx, PressureShape::vy})
-            prior.weight[k] = 1 / (stands * stands);
+            prior.weight[k] = 1 / (stands_mm_per_s * stands_mm_per_s);
     double least = cost(readings, prior, values);
     Slope at = slope(readings, prior, values);
     double damping = 1e-3;

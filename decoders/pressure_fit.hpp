@@ -27,7 +27,7 @@ class PressureShape {
     // ln P as a field of the mean variance reads it, which is known better than P; the middle in mm; the
     // logarithm of S; the velocity in mm/s.
     enum { log_peak, x, y, m, d, e, vx, vy, parameters };
-    static constexpr std::size_t at_present = vx;  // so many, the first, are without the velocity
+    static constexpr std::size_t at_present = vx;  // of the parameters: those before the velocity
     using Values = std::array<double, parameters>;
 
     PressureShape(const Values& values, double mean_variance_mm2) noexcept;

@@ -94,7 +94,8 @@ double ShortInterval::root() const noexcept {
         const double square = slope * slope;
         const double step = z * rest * slope / (fall_ * std::max(0.5 * square, square - 0.5 * z * bend));
         double next = part - step;
-        if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+        // The step is wrong where the square has left the range of a double.
+        if (!(next >= low && next <= high) || std::isinf(square)) next = 0.5 * (low + high);
         // Convergence is cubic: after a step this small the error is below rounding.
         if (std::abs(next - part) <= 1e-6 * next) return fall_ * next;
         part = next;
