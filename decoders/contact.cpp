@@ -156,7 +156,7 @@ std::optional<ContactReadout::Moving> ContactReadout::fit_moving(TimePoint now, 
                                                                  double highest) noexcept {
     pressures_.read_at_their_times(now, at_their_times_);
     blur(at_their_times_, highest);
-    const auto off = [&](const Fitted& fitted) { return misfit(at_their_times_, {&fitted, 1}, false); };
+    const auto off = [&](const Fitted& fitted) { return fit_.misfit(at_their_times_, fitted.shape); };
     // A velocity lowers the misfit to 0 at most.
     if (off(one) <= surely_moves) return std::nullopt;
     const Fitted moving = fit(at_their_times_, true);

@@ -72,8 +72,8 @@ class FieldPressures {
 
     void take(std::uint32_t index, TimePoint time) noexcept;
     double sensor_sigma(std::uint32_t index, double pressure) const noexcept;
-    // The root mean square of the changes of late, in N/mm² a second: of those that have been measured, and
-    // of the falls that silence up to `until` tells of.
+    // The root mean square of the recent changes, in N/mm² a second. It contains the changes that spikes have
+    // measured, and the falls that silence up to `until` implies.
     double change_per_s(TimePoint until, TimePoint now) const noexcept;
     Bound bound(std::uint32_t index, TimePoint until) const noexcept;
     // Since it was measured, where it may change by that part in a second that was heard.
