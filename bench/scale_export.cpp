@@ -86,7 +86,7 @@ ScaleExport export_population(std::uint32_t elements, Duration duration,
     for (std::uint32_t i = 0; i < elements; ++i) {
         const auto own = std::get<LifParameters>(patch.neuron_of(i));
         v_th_mv.push_back(own.v_th_mv);
-        v_mv.push_back(own.v_r_mv + patch.variations[i].phase * (own.v_th_mv - own.v_r_mv));
+        v_mv.push_back(own.v_r_mv + patch.phases(i) * (own.v_th_mv - own.v_r_mv));
     }
     std::vector<double> drives_mv;
     drives_mv.reserve(frames * elements);

@@ -75,8 +75,7 @@ ChipNeurons chip_neurons(const Plan& plan) {
             if (all.groups.empty() || all.groups.back().neuron.codes() != neuron.codes())
                 all.groups.push_back({neuron, patch.first + i, 0});
             ++all.groups.back().count;
-            all.start.push_back(patch.variations.empty() ? neuron.rest()
-                                                         : neuron.at_phase(patch.variations[i].phase));
+            all.start.push_back(patch.phases ? neuron.at_phase(patch.phases(i)) : neuron.rest());
         }
     return all;
 }

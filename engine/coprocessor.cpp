@@ -133,18 +133,20 @@ Coprocessor::Impl::Impl(const Plan& plan)
             : 1;
     for (std::size_t i = 0; i < batches; ++i) {
         batches_.push_back({shards * i / batches, shards * (i + 1) / batches, {}, {}, {}});
-        std::shared_ptr<DenseScratch> scratch;
+        const std::span<const Plan::ShardPlan> planned =
+            std::span(plan.shards).subspan(batches_[i].begin, batches_[i].end - batches_[i].begin);
         std::size_t afferents = 0;
-        for (std::size_t k = batches_[i].begin; k < batches_[i].end; ++k) {
-            const Plan::ShardPlan& shard = plan.shards[k];
-            const PatchPlan& patch = plan.patches[shard.patch];
-            if (patch.form != scene::Form::sparse && !scratch) scratch = make_dense_scratch();
-            shards_.push_back(
-                {make_shard(patch, shard.begin, shard.count, plan.scene.runtime.spikes_per_window, scratch),
-                 {},
-                 scene_start});
+        std::size_t swept = 0;
+        for (const Plan::ShardPlan& shard : planned) {
             afferents += shard.count;
+            if (plan.patches[shard.patch].form != scene::Form::sparse) swept += shard.count;
         }
+        const std::shared_ptr<DenseScratch> scratch = swept > 0 ? make_dense_scratch(swept) : nullptr;
+        for (const Plan::ShardPlan& shard : planned)
+            shards_.push_back({make_shard(plan.patches[shard.patch], shard.begin, shard.count,
+                                          plan.scene.runtime.spikes_per_window, scratch),
+                               {},
+                               scene_start});
         const std::size_t events = std::max<std::size_t>(2048, afferents / 4);
         batches_[i].events.keys().reserve(events);
         if (batches == 1) continue;

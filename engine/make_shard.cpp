@@ -18,13 +18,9 @@ struct PartOfPatch {
     SpikeLimit limit;
 };
 
-// Empty where all neurons begin at rest.
-std::vector<double> phases_of(const PartOfPatch& part) {
-    std::vector<double> phases;
-    if (part.patch.variations.empty()) return phases;
-    for (std::uint32_t i = part.begin; i < part.begin + part.count; ++i)
-        phases.push_back(part.patch.variations[i].phase);
-    return phases;
+Phases phases_of(const PartOfPatch& part) {
+    if (!part.patch.phases) return {};
+    return [phases = part.patch.phases, begin = part.begin](std::uint32_t i) { return phases(begin + i); };
 }
 
 template <class Parameters>
@@ -37,7 +33,7 @@ std::vector<Parameters> parameters_of(const PartOfPatch& part) {
 
 template <Neuron N>
 PredictedNeurons<N> predicted_alike(const PartOfPatch& part, const N& neuron) {
-    return {Alike<N>(neuron, part.count, phases_of(part)), part.count, part.limit};
+    return {Alike<N>(neuron, phases_of(part)), part.count, part.limit};
 }
 
 template <Neuron N>
@@ -48,12 +44,11 @@ PredictedNeurons<N, Individual<N>> predicted_individual(const PartOfPatch& part)
 
 SweptNeurons swept(const PartOfPatch& part, std::shared_ptr<DenseScratch> scratch) {
     const PatchPlan& patch = part.patch;
-    const std::vector<double> phases = phases_of(part);
     if (!patch.neurons_differ)
-        return SweptNeurons(DensePopulation(patch.neuron, part.count, patch.scan_interval, part.limit, phases,
-                                            std::move(scratch)));
+        return SweptNeurons(DensePopulation(patch.neuron, part.count, patch.scan_interval, part.limit,
+                                            phases_of(part), std::move(scratch)));
     return SweptNeurons(DensePopulation(parameters_of<LifParameters>(part), patch.scan_interval, part.limit,
-                                        phases, std::move(scratch)));
+                                        phases_of(part), std::move(scratch)));
 }
 
 template <Encoder E, class Neurons>

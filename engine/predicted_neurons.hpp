@@ -45,7 +45,7 @@ class PredictedNeurons {
     TimePoint next() const noexcept { return population_.next(); }
 
     const std::optional<SpikeStorm>& storm() const noexcept { return population_.storm(); }
-    void reset() noexcept { population_.reset(); }
+    void reset() { population_.reset(); }
     std::size_t bytes() const noexcept { return population_.bytes() + sizeof until_; }
     static constexpr bool is_dense() noexcept { return false; }
     static constexpr std::uint64_t form_changes() noexcept { return 0; }

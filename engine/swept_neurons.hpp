@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -18,16 +19,20 @@ namespace afferent {
 class SweptNeurons {
   public:
     explicit SweptNeurons(DensePopulation population)
-        : population_(std::move(population)), drives_mv_(population_.size()) {
-        waiting_.reserve(population_.size() / 4);
+        : population_(std::move(population)), drives_mv_(population_.take_drives()) {
+        waiting_.reserve(room_to_wait(population_.size()));
     }
+
+    // Spikes of an interval that come after the window, for which there is room from the beginning.
+    static constexpr std::size_t room_to_wait(std::size_t neurons) noexcept { return neurons / 4; }
 
     template <class Sink>
     void begin_window(TimePoint until, Sink&& sink) {
         until_ = until;
-        std::erase_if(waiting_, [&](const Event& event) {
-            if (event.time > until) return false;
-            sink(event.time, event.address);
+        std::erase_if(waiting_, [&](std::uint64_t key) {
+            const TimePoint time = swept_from_ + Duration(static_cast<Duration::rep>(key >> 32));
+            if (time > until) return false;
+            sink(time, static_cast<std::uint32_t>(key));
             return true;
         });
     }
@@ -51,35 +56,39 @@ class SweptNeurons {
     // The interval that begins at time().
     template <class Sink>
     void sweep(Sink&& sink) {
+        swept_from_ = population_.time();
         population_.advance(drives_mv_, [&](TimePoint time, std::uint32_t i) {
             if (time <= until_)
                 sink(time, i);
             else
-                waiting_.push_back({time, i});
+                waiting_.push_back(static_cast<std::uint64_t>((time - swept_from_).count()) << 32 | i);
         });
     }
     TimePoint time() const noexcept { return population_.time(); }
     TimePoint until() const noexcept { return until_; }
     DensePopulation& population() noexcept { return population_; }
-    const std::vector<double>& drives_mv() const noexcept { return drives_mv_; }
+    std::span<const double> drives_mv() const noexcept { return drives_mv_; }
 
     const std::optional<SpikeStorm>& storm() const noexcept { return population_.storm(); }
-    void reset() noexcept {
+    void reset() {
         population_.reset();
-        std::fill(drives_mv_.begin(), drives_mv_.end(), 0.0);
+        std::ranges::fill(drives_mv_, 0.0);
         waiting_.clear();
     }
     std::size_t bytes() const noexcept {
         return sizeof *this - sizeof population_ + population_.bytes() + drives_mv_.size() * sizeof(double) +
-               waiting_.capacity() * sizeof(Event);
+               waiting_.capacity() * sizeof(std::uint64_t);
     }
     static constexpr bool is_dense() noexcept { return true; }
     static constexpr std::uint64_t form_changes() noexcept { return 0; }
 
   private:
     DensePopulation population_;
-    std::vector<double> drives_mv_;
-    std::vector<Event> waiting_;  // swept, but after the window; the address is the index
+    std::span<double> drives_mv_;
+    // Spikes of the interval that was swept last, but after the window: nanoseconds since it began << 32 |
+    // index.
+    std::vector<std::uint64_t> waiting_;
+    TimePoint swept_from_ = scene_start;
     TimePoint until_ = scene_start;
 };
 

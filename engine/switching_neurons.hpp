@@ -76,7 +76,7 @@ class SwitchingNeurons {
     const std::optional<SpikeStorm>& storm() const noexcept {
         return swept_.storm() ? swept_.storm() : predicted_.storm();
     }
-    void reset() noexcept {
+    void reset() {
         predicted_.reset();
         swept_.reset();
         dense_ = false;

@@ -139,10 +139,12 @@ HWY_INLINE void append(const Model& model, const Item& item, M mask, Batch& batc
 }
 
 HWY_INLINE Element gathered(const Model& model, const Neurons& neurons, VI index) {
-    if (neurons.v_th_mv == nullptr) return common_element(model, neurons);
-    return element(model, hn::GatherIndex(d, neurons.v_th_mv, index),
-                   neurons.delta_g == nullptr ? constant(neurons.common_delta_g)
-                                              : hn::GatherIndex(d, neurons.delta_g, index));
+    if (neurons.v_th_mv == nullptr && neurons.delta_g == nullptr) return common_element(model, neurons);
+    const auto own = [&](const double* numbers, double common) {
+        return numbers == nullptr ? constant(common) : hn::GatherIndex(d, numbers, index);
+    };
+    return element(model, own(neurons.v_th_mv, neurons.common_v_th_mv),
+                   own(neurons.delta_g, neurons.common_delta_g));
 }
 
 // ---------------------------------------------------------------------------------------------------------------------

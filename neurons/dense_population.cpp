@@ -42,11 +42,9 @@ std::vector<Indices> parts_of(std::span<const LifParameters> parameters, Duratio
     return parts;
 }
 
-template <class Value>
-std::vector<Value> chosen(std::span<const Value> values, const Indices& indices) {
-    std::vector<Value> result;
-    if (!values.empty())
-        for (const DensePopulation::Index i : indices) result.push_back(values[i]);
+std::vector<LifParameters> chosen(std::span<const LifParameters> parameters, const Indices& indices) {
+    std::vector<LifParameters> result;
+    for (const DensePopulation::Index i : indices) result.push_back(parameters[i]);
     return result;
 }
 
@@ -60,7 +58,9 @@ std::uint64_t with_index(std::uint64_t key, DensePopulation::Index index) { retu
 
 }  // namespace
 
-std::shared_ptr<DenseScratch> make_dense_scratch() { return std::make_shared<DenseScratch>(); }
+std::shared_ptr<DenseScratch> make_dense_scratch(std::size_t neurons) {
+    return std::make_shared<DenseScratch>(neurons);
+}
 
 struct DensePopulation::Part {
     DenseSweeper sweeper;
@@ -83,51 +83,51 @@ bool DensePopulation::pays(const LifParameters& parameters, Duration scan_interv
 }
 
 DensePopulation::DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
-                                 SpikeLimit limit, std::span<const double> phases,
-                                 std::shared_ptr<DenseScratch> scratch)
+                                 SpikeLimit limit, Phases phases, std::shared_ptr<DenseScratch> scratch)
     : scan_interval_(scan_interval),
       size_(count),
-      scratch_(scratch ? std::move(scratch) : make_dense_scratch()) {
-    parts_.push_back({DenseSweeper(lif(model), {}, count, scan_interval, limit, phases, scratch_), {}});
+      scratch_(scratch ? std::move(scratch) : make_dense_scratch()),
+      phases_(std::move(phases)) {
+    parts_.push_back({DenseSweeper(lif(model), {}, count, scan_interval, limit, scratch_), {}});
+    reset();
 }
 
 DensePopulation::DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval,
-                                 SpikeLimit limit, std::span<const double> phases,
-                                 std::shared_ptr<DenseScratch> scratch)
+                                 SpikeLimit limit, Phases phases, std::shared_ptr<DenseScratch> scratch)
     : scan_interval_(scan_interval),
       size_(parameters.size()),
-      scratch_(scratch ? std::move(scratch) : make_dense_scratch()) {
+      scratch_(scratch ? std::move(scratch) : make_dense_scratch()),
+      phases_(std::move(phases)) {
     std::vector<Indices> parts = parts_of(parameters, scan_interval);
     for (Indices& indices : parts) {
         const std::vector<LifParameters> each = chosen(parameters, indices);
         DenseSweeper sweeper(with_largest_adaptation(each), each, each.size(), scan_interval, limit,
-                             chosen(phases, indices), scratch_);
+                             scratch_);
         parts_.push_back({std::move(sweeper), parts.size() > 1 ? std::move(indices) : Indices{}});
     }
     if (parts_.size() > 1) {
         scratch_->drives_mv.resize(std::max(scratch_->drives_mv.size(), size_));
         scratch_->all_keys.reserve(2 * size_);
     }
+    reset();
 }
 
 DensePopulation::~DensePopulation() = default;
 DensePopulation::DensePopulation(DensePopulation&&) noexcept = default;
 DensePopulation& DensePopulation::operator=(DensePopulation&&) noexcept = default;
 
-std::size_t DensePopulation::size_of(const LifParameters& parameters, std::size_t count,
-                                     bool phases) noexcept {
+std::size_t DensePopulation::size_of(const LifParameters& parameters, std::size_t count) noexcept {
     return sizeof(DensePopulation) + sizeof(Part) - sizeof(DenseSweeper) +
-           DenseSweeper::size_of(parameters, {}, count, phases);
+           DenseSweeper::size_of(parameters, {}, count);
 }
 
-std::size_t DensePopulation::size_of(std::span<const LifParameters> parameters, Duration scan_interval,
-                                     bool phases) {
+std::size_t DensePopulation::size_of(std::span<const LifParameters> parameters, Duration scan_interval) {
     const std::vector<Indices> parts = parts_of(parameters, scan_interval);
     std::size_t sum = sizeof(DensePopulation);
     for (const Indices& indices : parts) {
         const std::vector<LifParameters> each = chosen(parameters, indices);
         sum += sizeof(Part) - sizeof(DenseSweeper) +
-               DenseSweeper::size_of(with_largest_adaptation(each), each, each.size(), phases);
+               DenseSweeper::size_of(with_largest_adaptation(each), each, each.size());
         if (parts.size() > 1) sum += indices.size() * sizeof(Index);
     }
     return sum;
@@ -140,10 +140,15 @@ std::size_t DensePopulation::bytes() const noexcept {
     return sum;
 }
 
+std::span<double> DensePopulation::take_drives() {
+    return scratch_->columns.drives_mv.take(size_, scratch_->columns.room).first(size_);
+}
+
 const char* DensePopulation::instructions() const noexcept { return parts_.front().sweeper.instructions(); }
 
-void DensePopulation::reset() noexcept {
-    for (Part& part : parts_) part.sweeper.reset();
+void DensePopulation::reset() {
+    for (Part& part : parts_)
+        part.sweeper.reset([&](Index i) { return phases_ ? phases_(part.index(i)) : 0; });
     storm_.reset();
     time_ = scene_start;
 }

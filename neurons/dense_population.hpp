@@ -12,15 +12,17 @@
 
 #include "afferent/neurons/lif_state.hpp"
 #include "afferent/neurons/models.hpp"
+#include "afferent/neurons/neuron.hpp"
 #include "afferent/neurons/spike_limit.hpp"
 #include "afferent/runtime/time.hpp"
 
 namespace afferent {
 
-// What a sweep needs while it lasts, and the constants of parameters that populations have in common.
-// Populations that are never built or swept at the same time may share it.
+// What a sweep needs while it lasts, the constants of parameters that populations have in common, and their
+// arrays, which lie together if there are no more neurons than given here. Populations that are never built
+// or swept at the same time may share it; it lasts as long as any of them.
 struct DenseScratch;
-std::shared_ptr<DenseScratch> make_dense_scratch();
+std::shared_ptr<DenseScratch> make_dense_scratch(std::size_t neurons = 0);
 
 // Gives the events of SparsePopulation, within 1 ns, for drives that change only at multiples of the scan
 // interval. A sweep advances every neuron over the interval by polynomials in its conductance. v crosses the
@@ -43,16 +45,14 @@ class DensePopulation {
     // where the series does not hold over a part of the interval. The parameters are not refused.
     static bool pays(const LifParameters& parameters, Duration scan_interval);
 
-    // Each begins at its phase, in [0, 1), of the way from v_r to v_th, at scene_start; without phases all
-    // begin at rest. Throws ParameterError, also for what refusal() refuses. Without scratch memory given,
-    // the population has its own.
+    // Each begins at its phase of the way from v_r to v_th, at scene_start. Throws ParameterError, also for
+    // what refusal() refuses. Without scratch memory given, the population has its own.
     DensePopulation(const NeuronModel& model, std::size_t count, Duration scan_interval,
-                    SpikeLimit limit = {}, std::span<const double> phases = {},
-                    std::shared_ptr<DenseScratch> scratch = {});
+                    SpikeLimit limit = {}, Phases phases = {}, std::shared_ptr<DenseScratch> scratch = {});
     // One set of parameters for each neuron, at least one. Those that differ in v_th_mv and delta_g alone are
     // swept together.
     DensePopulation(std::span<const LifParameters> parameters, Duration scan_interval, SpikeLimit limit = {},
-                    std::span<const double> phases = {}, std::shared_ptr<DenseScratch> scratch = {});
+                    Phases phases = {}, std::shared_ptr<DenseScratch> scratch = {});
     ~DensePopulation();
     DensePopulation(DensePopulation&&) noexcept;
     DensePopulation& operator=(DensePopulation&&) noexcept;
@@ -60,10 +60,12 @@ class DensePopulation {
     std::size_t size() const noexcept { return size_; }
     // Without the scratch memory.
     std::size_t bytes() const noexcept;
-    // bytes() of a population with these parameters, and with or without phases, before it is built.
-    static std::size_t size_of(const LifParameters& parameters, std::size_t count, bool phases) noexcept;
-    static std::size_t size_of(std::span<const LifParameters> parameters, Duration scan_interval,
-                               bool phases);
+    // bytes() of a population with these parameters, before it is built.
+    static std::size_t size_of(const LifParameters& parameters, std::size_t count) noexcept;
+    static std::size_t size_of(std::span<const LifParameters> parameters, Duration scan_interval);
+    // Room for a drive of each neuron, beside that of the populations which share the scratch memory. It is
+    // not a part of bytes().
+    std::span<double> take_drives();
     Duration scan_interval() const noexcept { return scan_interval_; }
     // The population has been advanced up to this time.
     TimePoint time() const noexcept { return time_; }
@@ -92,7 +94,7 @@ class DensePopulation {
     // the caller ends the run.
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
-    void reset() noexcept;
+    void reset();
 
     // Calls use(index, state) with the state at time() of each neuron, in any order.
     void for_each_state(const std::function<void(Index, const LifState&)>& use) const;
@@ -119,6 +121,7 @@ class DensePopulation {
     TimePoint time_ = scene_start;
     std::size_t size_;
     std::shared_ptr<DenseScratch> scratch_;
+    Phases phases_;
     std::vector<Part> parts_;  // by time constants and what else a sweep needs the same of all
     std::optional<SpikeStorm> storm_;
 };

@@ -16,10 +16,6 @@ LifParameters without_period(LifParameters parameters) {
     return parameters;
 }
 
-std::size_t padded(std::size_t count) {
-    return (count + dense::max_lanes - 1) / dense::max_lanes * dense::max_lanes;
-}
-
 std::size_t tiles(std::size_t count) { return (count + dense::tile - 1) / dense::tile; }
 
 // Two spikes for each neuron in a scan interval, and one more for each of a batch.
@@ -32,9 +28,16 @@ constexpr std::size_t usually_resting = dense::tile / 8;
 // In units of tau_g: then the factor of the conductances is taken into each of them.
 constexpr double longest_scaled = 8;
 
-bool adaptation_differs(std::span<const LifParameters> each) {
-    return std::any_of(each.begin(), each.end(),
-                       [&](const LifParameters& one) { return one.delta_g != each.front().delta_g; });
+using Number = double LifParameters::*;
+
+bool differs(std::span<const LifParameters> each, Number number) {
+    return std::ranges::any_of(each,
+                               [&](const LifParameters& one) { return one.*number != each.front().*number; });
+}
+
+// The arrays of what neurons have of their own.
+std::size_t own_arrays(std::span<const LifParameters> each) {
+    return std::size_t{differs(each, &LifParameters::v_th_mv)} + differs(each, &LifParameters::delta_g);
 }
 
 void put(Batch& to, std::size_t at, const Batch& from, std::size_t i) noexcept {
@@ -59,7 +62,7 @@ void keep_if(Batch& batch, Condition&& condition) {
 
 DenseSweeper::DenseSweeper(const LifParameters& parameters, std::span<const LifParameters> each,
                            std::size_t count, Duration scan_interval, SpikeLimit limit,
-                           std::span<const double> phases, std::shared_ptr<DenseScratch> scratch)
+                           std::shared_ptr<DenseScratch> scratch)
     : scratch_(std::move(scratch)),
       plan_(scratch_->plan(dense::planned(parameters), scan_interval)),
       kernel_(dense::kernel()),
@@ -69,39 +72,36 @@ DenseSweeper::DenseSweeper(const LifParameters& parameters, std::span<const LifP
       scan_interval_ns_(static_cast<double>(scan_interval.count())),
       count_(count),
       period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_->model.tau_ns),
-      padded_(padded(count)),
-      phases_(phases.begin(), phases.end()),
-      gap_mv_(hwy::AllocateAligned<double>(padded_)) {
+      gap_mv_(scratch_->columns.gap_mv.take(count, scratch_->columns.room)) {
     require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
     const double share = scan_interval_ns_ / plan_->steps / static_cast<double>(limit.window.count());
     spikes_per_step_ = std::ceil(limit.spikes * share);
     forgets_ = plan_->model.step > longest_scaled * plan_->model.a;
-    if (plan_->model.adapts) scaled_g_ = hwy::AllocateAligned<double>(padded_);
-    if (!each.empty()) {
-        v_th_mv_ = hwy::AllocateAligned<double>(padded_);
-        if (adaptation_differs(each)) delta_g_ = hwy::AllocateAligned<double>(padded_);
-        for (std::size_t i = 0; i < padded_; ++i) {
-            const LifParameters& own = i < count ? each[i] : parameters;
-            v_th_mv_[i] = own.v_th_mv;
-            if (delta_g_) delta_g_[i] = own.delta_g;
-        }
-    }
+    dense::Columns& columns = scratch_->columns;
+    if (adapts()) scaled_g_ = columns.scaled_g.take(count, columns.room);
+    // The padding has the last neuron's.
+    const auto own = [&](std::span<double>& numbers, dense::Column& column, Number number) {
+        if (!differs(each, number)) return;
+        numbers = column.take(count, columns.room);
+        for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = each[std::min(i, count - 1)].*number;
+    };
+    own(v_th_mv_, columns.v_th_mv, &LifParameters::v_th_mv);
+    own(delta_g_, columns.delta_g, &LifParameters::delta_g);
     keys_.reserve(room_for_keys(count));
     if (period_ > 0) {
         rests_.resize(count);
         resting_.resize(tiles(count));
         for (auto& of_tile : resting_) of_tile.reserve(std::min(usually_resting, count));
     }
-    reset();
 }
 
-void DenseSweeper::reset() noexcept {
+void DenseSweeper::reset(const Phases& phase_of) {
     storm_.reset();
-    for (std::size_t i = 0; i < padded_; ++i) {
+    for (std::size_t i = 0; i < gap_mv_.size(); ++i) {
         gap_mv_[i] = v_th_mv(i) - plan_->model.v_r_mv;
-        if (i < phases_.size()) gap_mv_[i] *= 1 - phases_[i];
-        if (scaled_g_) scaled_g_[i] = 0;
+        if (i < count_) gap_mv_[i] *= 1 - phase_of(static_cast<Index>(i));
     }
+    std::ranges::fill(scaled_g_, 0.0);
     passed_ = 0;
     std::fill(rests_.begin(), rests_.end(), std::uint8_t{0});
     for (auto& of_tile : resting_) of_tile.clear();
@@ -138,30 +138,27 @@ std::span<const double> DenseSweeper::sweep_unrounded(std::span<const double> dr
 }
 
 std::size_t DenseSweeper::bytes() const noexcept {
-    const int arrays = 1 + (scaled_g_ != nullptr) + (v_th_mv_ != nullptr) + (delta_g_ != nullptr);
     std::size_t resting = rests_.size() + resting_.size() * sizeof(std::vector<Resting>);
     for (const auto& of_tile : resting_) resting += of_tile.capacity() * sizeof(Resting);
-    return sizeof *this + padded_ * static_cast<std::size_t>(arrays) * sizeof(double) +
-           phases_.size() * sizeof(double) + resting;
+    const std::size_t numbers = gap_mv_.size() + scaled_g_.size() + v_th_mv_.size() + delta_g_.size();
+    return sizeof *this + numbers * sizeof(double) + resting;
 }
 
 std::size_t DenseSweeper::size_of(const LifParameters& parameters, std::span<const LifParameters> each,
-                                  std::size_t count, bool phases) noexcept {
-    const std::size_t arrays =
-        std::size_t{1} + (parameters.delta_g > 0) + !each.empty() + adaptation_differs(each);
+                                  std::size_t count) noexcept {
     std::size_t resting = 0;
     if (parameters.refractory_ms > 0)
         resting = count + tiles(count) * (sizeof(std::vector<Resting>) +
                                           std::min(usually_resting, count) * sizeof(Resting));
-    return sizeof(DenseSweeper) + padded(count) * arrays * sizeof(double) + phases * count * sizeof(double) +
-           resting;
+    const std::size_t arrays = std::size_t{1} + (parameters.delta_g > 0) + own_arrays(each);
+    return sizeof(DenseSweeper) + dense::padded(count) * arrays * sizeof(double) + resting;
 }
 
 void DenseSweeper::for_each_state(const std::function<void(Index, const LifState&)>& use) const {
     for (std::size_t i = 0; i < count_; ++i)
         if (rests_.empty() || rests_[i] == 0)
             use(static_cast<Index>(i),
-                {gap_mv_[i], scaled_g_ ? scaled_g_[i] * scale_after(passed_) : 0, Interval(0)});
+                {gap_mv_[i], adapts() ? scaled_g_[i] * scale_after(passed_) : 0, Interval(0)});
     for (const auto& of_tile : resting_)
         for (const Resting& one : of_tile)
             use(one.index, {gap_mv_[one.index], one.g, Interval(one.left * plan_->model.tau_ns)});
@@ -182,18 +179,18 @@ void DenseSweeper::restore(const std::function<LifState(Index)>& state_of) {
 }
 
 void DenseSweeper::rescale(std::size_t begin, std::size_t count, double scale) noexcept {
-    if (scaled_g_)
-        for (std::size_t i = begin; i < begin + count; ++i) scaled_g_[i] *= scale;
+    if (adapts())
+        for (double& g : scaled_g_.subspan(begin, count)) g *= scale;
 }
 
 void DenseSweeper::carry(std::span<const double> drives_mv, std::size_t tile, std::size_t size, int step,
                          bool last, TimePoint begin) {
     const auto from = static_cast<std::size_t>(forgets_ ? 0 : step);
     end_scale_ = scales_[from + 1];
-    const dense::Neurons neurons{.gap_mv = gap_mv_.get(),
-                                 .scaled_g = scaled_g_.get(),
-                                 .v_th_mv = v_th_mv_.get(),
-                                 .delta_g = delta_g_.get(),
+    const dense::Neurons neurons{.gap_mv = gap_mv_.data(),
+                                 .scaled_g = scaled_g_.data(),
+                                 .v_th_mv = v_th_mv_.data(),
+                                 .delta_g = delta_g_.data(),
                                  .common_v_th_mv = parameters_.v_th_mv,
                                  .common_delta_g = parameters_.delta_g,
                                  .rest = period_ > 0,
@@ -332,9 +329,8 @@ void DenseSweeper::carry_alone(std::size_t at, std::span<const double> drives_mv
                                TimePoint begin) {
     const auto index = static_cast<std::size_t>(hard_.index[at]);
     const double drive_mv = drives_mv[index];
-    const AdaptingLif neuron =
-        neuron_.varied(v_th_mv(index), delta_g_ ? delta_g_[index] : parameters_.delta_g);
-    AdaptingLif::State state{hard_.gap_mv[at], scaled_g_ ? hard_.g[at] : 0};
+    const AdaptingLif neuron = neuron_.varied(v_th_mv(index), delta_g(index));
+    AdaptingLif::State state{hard_.gap_mv[at], adapts() ? hard_.g[at] : 0};
     const double end_ns = start_ns + plan_->model.step * plan_->model.tau_ns;
     double now_ns = start_ns + hard_.elapsed[at] * plan_->model.tau_ns;
     for (double fired = 0;; ++fired) {

@@ -2,8 +2,6 @@
 // DensePopulation.
 #pragma once
 
-#include <hwy/aligned_allocator.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,12 +13,16 @@
 #include <vector>
 
 #include "afferent/neurons/adapting_lif.hpp"
+#include "afferent/neurons/dense_columns.hpp"
 #include "afferent/neurons/dense_plan.hpp"
 #include "afferent/neurons/dense_population.hpp"
 
 namespace afferent {
 
 struct DenseScratch {
+    explicit DenseScratch(std::size_t neurons) : columns{.room = neurons} {}
+
+    dense::Columns columns;
     dense::Batch first;     // those that reach threshold in the step
     dense::Batch again;     // those that have fired, and reach it again
     dense::Batch after;     // the same, after a spike of `again`
@@ -56,12 +58,14 @@ class DenseSweeper {
     using Index = DensePopulation::Index;
 
     // `parameters` are those of all neurons, or where `each` has its own threshold and Δg the others, with
-    // the largest Δg. Phases: one for each, or none.
+    // the largest Δg. To be reset before the first sweep.
     DenseSweeper(const LifParameters& parameters, std::span<const LifParameters> each, std::size_t count,
-                 Duration scan_interval, SpikeLimit limit, std::span<const double> phases,
-                 std::shared_ptr<DenseScratch> scratch);
+                 Duration scan_interval, SpikeLimit limit, std::shared_ptr<DenseScratch> scratch);
 
-    void reset() noexcept;
+    DenseSweeper(DenseSweeper&&) = default;  // a copy would share its arrays
+
+    // To the beginning, with each neuron at its phase.
+    void reset(const Phases& phase_of);
 
     // The keys of DensePopulation::spikes(), until the next sweep with that scratch memory.
     std::span<const std::uint64_t> sweep(std::span<const double> drives_mv, TimePoint begin);
@@ -72,7 +76,7 @@ class DenseSweeper {
     std::size_t bytes() const noexcept;
     // bytes() of one that is yet to be built.
     static std::size_t size_of(const LifParameters& parameters, std::span<const LifParameters> each,
-                               std::size_t count, bool phases) noexcept;
+                               std::size_t count) noexcept;
 
     void for_each_state(const std::function<void(Index, const LifState&)>& use) const;
     void restore(const std::function<LifState(Index)>& state_of);
@@ -88,19 +92,22 @@ class DenseSweeper {
         double g;
     };
 
+    bool adapts() const noexcept { return plan_->model.adapts; }
     double v_th_mv(std::size_t index) const noexcept {
-        return v_th_mv_ ? v_th_mv_[index] : parameters_.v_th_mv;
+        return v_th_mv_.empty() ? parameters_.v_th_mv : v_th_mv_[index];
+    }
+    double delta_g(std::size_t index) const noexcept {
+        return delta_g_.empty() ? parameters_.delta_g : delta_g_[index];
     }
     // By which g decays in so many steps, but not 0.
     double scale_after(std::int64_t steps) const noexcept {
-        return scaled_g_
-                   ? std::max(std::exp(-static_cast<double>(steps) * plan_->model.step / plan_->model.a),
-                              1e-200)
-                   : 1;
+        return adapts() ? std::max(std::exp(-static_cast<double>(steps) * plan_->model.step / plan_->model.a),
+                                   1e-200)
+                        : 1;
     }
     // g at the end of the step.
     void store_g(std::size_t index, double g) noexcept {
-        if (scaled_g_) scaled_g_[index] = g / end_scale_;
+        if (adapts()) scaled_g_[index] = g / end_scale_;
     }
     void rescale(std::size_t begin, std::size_t count, double scale) noexcept;
     // `last`: no crossing may wait for the next tile.
@@ -145,16 +152,14 @@ class DenseSweeper {
     double end_scale_ = 1;     // of g, at the end of the step that is carried out
     std::array<double, dense::most_steps + 1> scales_;  // of g, at the ends of the steps of this sweep
     double period_;                                     // refractory, in units of tau_m; 0 if there is none
-    std::size_t padded_;
-    std::vector<double> phases_;  // at the beginning; empty: all at rest
     dense::Batch& hard_ = scratch_->hard;
     dense::Batch& released_ = scratch_->released;
     std::vector<std::uint64_t>& keys_ = scratch_->keys;
     std::vector<double>& times_ns_ = scratch_->times_ns;
-    hwy::AlignedFreeUniquePtr<double[]> gap_mv_;
-    hwy::AlignedFreeUniquePtr<double[]> scaled_g_;
-    hwy::AlignedFreeUniquePtr<double[]> v_th_mv_;
-    hwy::AlignedFreeUniquePtr<double[]> delta_g_;
+    std::span<double> gap_mv_;  // this and the next three lie in the columns of the scratch memory
+    std::span<double> scaled_g_;
+    std::span<double> v_th_mv_;
+    std::span<double> delta_g_;
     std::vector<std::vector<Resting>> resting_;  // by tile
     std::vector<std::uint8_t> rests_;            // by neuron: 1 in its refractory period
     bool unrounded_ = false;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
+#include <functional>
 #include <limits>
 
 #include "afferent/runtime/time.hpp"
@@ -74,6 +76,10 @@ concept RemembersIntervals = Neuron<N> && requires(const N& neuron, typename N::
                                                    Interval dt, RememberedExpm1& expm1) {
     neuron.advance(state, drive_mv, dt, expm1);
 };
+
+// The phase at which each neuron of a population begins, in [0, 1), by its index; none: all begin at rest.
+// What is drawn for an address is a function of it, so that nothing is stored for each.
+using Phases = std::function<double(std::uint32_t)>;
 
 inline constexpr Interval never{std::numeric_limits<double>::infinity()};
 

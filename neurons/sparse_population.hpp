@@ -49,7 +49,7 @@ class SparsePopulation {
 
     // All at their start, which is at rest where neurons are alike, at scene_start with drive 0.
     SparsePopulation(N neuron, std::size_t count, SpikeLimit limit = {})
-        : SparsePopulation(Elements(std::move(neuron), count), count, limit) {}
+        : SparsePopulation(Elements(std::move(neuron)), count, limit) {}
     SparsePopulation(Elements elements, std::size_t count, SpikeLimit limit = {})
         : elements_(std::move(elements)), limit_(limit), slots_(count), queue_(count) {
         require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
@@ -140,7 +140,7 @@ class SparsePopulation {
     // The first neuron that exceeded the limit. It has stopped firing; the caller ends the run.
     const std::optional<SpikeStorm>& storm() const noexcept { return storm_; }
 
-    void reset() noexcept {
+    void reset() {
         queue_.clear();
         storm_.reset();
         for (std::size_t i = 0; i < size(); ++i) {

@@ -63,7 +63,7 @@ class Draw {
     }
 
   private:
-    const std::optional<scene::Distribution>& distribution_;
+    std::optional<scene::Distribution> distribution_;
     Stream stream_;
     AfferentSeed seed_;
 };
@@ -162,7 +162,7 @@ void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed
 
 std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents,
                                      AfferentSeed seed) {
-    if (!spread.threshold && !spread.delta_g && !spread.phase && spread.time_class.empty()) return {};
+    if (!spread.threshold && !spread.delta_g && spread.time_class.empty()) return {};
     double parts = 0;
     for (const scene::TimeClass& each : spread.time_class) parts += each.part;
     const auto class_of = [&](std::uint32_t afferent) {
@@ -174,14 +174,17 @@ std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t 
     };
     const Draw threshold(spread.threshold, Stream::afferent_threshold, seed);
     const Draw delta_g(spread.delta_g, Stream::afferent_delta_g, seed);
-    const Draw phase(spread.phase, Stream::afferent_phase, seed);
     std::vector<Variation> variations(afferents);
     for (std::uint32_t i = 0; i < afferents; ++i)
-        variations[i] = {.threshold = threshold(i, 1),
-                         .delta_g = delta_g(i, 1),
-                         .phase = std::clamp(phase(i, 0), 0.0, latest_phase),
-                         .time_class = class_of(i)};
+        variations[i] = {.threshold = threshold(i, 1), .delta_g = delta_g(i, 1), .time_class = class_of(i)};
     return variations;
+}
+
+Phases phases_of(const scene::Spread& spread, AfferentSeed seed) {
+    if (!spread.phase) return {};
+    return [draw = Draw(spread.phase, Stream::afferent_phase, seed)](std::uint32_t afferent) {
+        return std::clamp(draw(afferent, 0), 0.0, latest_phase);
+    };
 }
 
 std::string differences(const scene::Spread& spread, bool has_positions) {

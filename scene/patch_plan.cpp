@@ -83,6 +83,7 @@ class PatchPlanner {
                  .encoder = {},
                  .neuron = model_of(given.neuron),
                  .variations = {},
+                 .phases = {},
                  .time_classes = given.spread.time_class,
                  .target = {},
                  .noise = {},
@@ -237,6 +238,7 @@ class PatchPlanner {
             afferent::check(scene_.patches[index].spread);
             patch.variations =
                 variations_of(scene_.patches[index].spread, patch.afferents(), {scene_.seed, patch.first});
+            patch.phases = phases_of(scene_.patches[index].spread, {scene_.seed, patch.first});
             // A factor may take a neuron where its patch's own is not: a threshold below e_k, for one.
             for (std::uint32_t i = 0; i < patch.variations.size(); ++i) afferent::check(patch.neuron_of(i));
             patch.neurons_differ = std::ranges::any_of(patch.variations, [&](const Variation& each) {

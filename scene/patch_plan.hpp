@@ -11,6 +11,7 @@
 #include "afferent/encoders/encoders.hpp"
 #include "afferent/encoders/receptive_fields.hpp"
 #include "afferent/neurons/models.hpp"
+#include "afferent/neurons/neuron.hpp"
 #include "afferent/neurons/tuning.hpp"
 #include "afferent/runtime/event.hpp"
 #include "afferent/scene/scene.hpp"
@@ -21,7 +22,6 @@ namespace afferent {
 struct Variation {
     double threshold = 1;  // times the distance from v_r to v_th
     double delta_g = 1;    // times the neuron's own
-    double phase = 0;      // where v begins, as a part of the way from v_r to v_th
     std::uint32_t time_class = 0;
 };
 
@@ -67,7 +67,8 @@ struct PatchPlan {
     NeuronModel neuron;
     // How the neurons differ from it, by afferent; empty: they are alike.
     std::vector<Variation> variations;
-    bool neurons_differ = false;  // in more than where they begin
+    bool neurons_differ = false;
+    Phases phases;  // by afferent
     std::vector<scene::TimeClass> time_classes;
     // How encoder and neuron were, or would be, tuned.
     TuningTarget target;
@@ -147,8 +148,10 @@ FieldRows fields_of_one_each(std::uint32_t elements);
 // An afferent whose gain is k times the encoder's reads k times as much.
 void spread_gain(FieldRows& rows, const scene::Spread& spread, AfferentSeed seed);
 
-// Empty if all neurons have the same parameters and phase.
+// Empty if all neurons have the same parameters.
 std::vector<Variation> variations_of(const scene::Spread& spread, std::uint32_t afferents, AfferentSeed seed);
+// None if all neurons begin at rest.
+Phases phases_of(const scene::Spread& spread, AfferentSeed seed);
 
 // The neuron with that variation, where classes of time constants are the spread's.
 NeuronModel varied(const NeuronModel& neuron, const Variation& variation,

@@ -19,31 +19,30 @@ constexpr std::size_t shard_words =
 constexpr std::size_t switching_words = 8 * sizeof(void*);
 
 template <Neuron N, class Elements>
-std::size_t predicted(std::size_t count, std::size_t phases) {
-    return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count, phases));
+std::size_t predicted(std::size_t count) {
+    return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count));
 }
 
-std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count, bool phases) {
+std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
     std::vector<LifParameters> parameters;
     if (patch.neurons_differ)
         for (std::uint32_t i = begin; i < begin + count; ++i)
             parameters.push_back(std::get<LifParameters>(patch.neuron_of(i)));
     const std::size_t population =
-        parameters.empty() ? DensePopulation::size_of(std::get<LifParameters>(patch.neuron), count, phases)
-                           : DensePopulation::size_of(parameters, patch.scan_interval, phases);
+        parameters.empty() ? DensePopulation::size_of(std::get<LifParameters>(patch.neuron), count)
+                           : DensePopulation::size_of(parameters, patch.scan_interval);
     // A drive for each, and room for a spike of every fourth that comes after the window.
-    return population + 2 * sizeof(std::vector<double>) + count * sizeof(double) + count / 4 * sizeof(Event);
+    return population + sizeof(std::span<double>) + sizeof(std::vector<std::uint64_t>) +
+           count * sizeof(double) + count / 4 * sizeof(std::uint64_t);
 }
 
 std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
-    const std::size_t phases = patch.variations.empty() ? 0 : count;
-    if (patch.form == scene::Form::dense) return swept(patch, begin, count, phases > 0);
+    if (patch.form == scene::Form::dense) return swept(patch, begin, count);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
-        return patch.neurons_differ ? predicted<N, Individual<N>>(count, phases)
-                                    : predicted<N, Alike<N>>(count, phases);
+        return patch.neurons_differ ? predicted<N, Individual<N>>(count) : predicted<N, Alike<N>>(count);
     });
     if (patch.form == scene::Form::sparse) return sparse;
-    return sparse + swept(patch, begin, count, phases > 0) + switching_words;
+    return sparse + swept(patch, begin, count) + switching_words;
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ TEST(DensePopulation, TakesNeuronsThatDiffer) {
     const Drives drives = random_drives(2, parameters.size(), 0, 100);
     std::vector<double> phases(parameters.size());
     for (double& phase : phases) phase = unit(random);
-    for (const std::span<const double> each : {std::span<const double>(), std::span<const double>(phases)}) {
+    for (const Phases& each : {Phases(), Phases([&](std::uint32_t i) { return phases[i]; })}) {
         DensePopulation dense(parameters, 5ms, {}, each);
         using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
         const auto events = dense_events(dense, drives);
@@ -270,7 +270,7 @@ TEST(DensePopulation, TakesNeuronsOfSeveralTimeConstants) {
         parameters[i].v_th_mv += 0.01 * static_cast<double>(i);
     }
     const Drives drives = random_drives(4, parameters.size(), 0, 100);
-    std::vector<double> phases(parameters.size(), 0.3);
+    const Phases phases = [](std::uint32_t) { return 0.3; };
     DensePopulation dense(parameters, 5ms, {}, phases);
     using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
     const auto expected =
@@ -312,18 +312,38 @@ TEST(DensePopulation, TakesFewBytes) {
     EXPECT_LT(bytes({.refractory_ms = 2}), 22);
 }
 
+// So that a sweep over many populations is a few long streams.
+TEST(DensePopulation, LiesBehindThoseThatShareItsScratchMemory) {
+    const auto scratch = make_dense_scratch(2000);
+    DensePopulation first({}, 1000, 5ms, {}, {}, scratch);
+    DensePopulation second({}, 999, 5ms, {}, {}, scratch);
+    DensePopulation beyond({}, 100, 5ms, {}, {}, scratch);
+    const std::span<double> of_first = first.take_drives();
+    EXPECT_EQ(second.take_drives().data(), of_first.data() + of_first.size());
+    // There is no more room, and it works all the same.
+    const std::span<double> drives_mv = beyond.take_drives();
+    std::ranges::fill(drives_mv, 30.0);
+    DensePopulation alone({}, 100, 5ms);
+    std::vector<Event> events;
+    std::vector<Event> expected;
+    for (int i = 0; i < 20; ++i) {
+        beyond.advance(drives_mv, [&](TimePoint time, std::uint32_t k) { events.push_back({time, k}); });
+        alone.advance(drives_mv, [&](TimePoint time, std::uint32_t k) { expected.push_back({time, k}); });
+    }
+    EXPECT_GT(expected.size(), 100U);
+    EXPECT_EQ(events, expected);
+}
+
 TEST(DensePopulation, KnowsItsSizeBeforeItIsBuilt) {
     constexpr std::size_t count = 1000;
     for (const LifParameters& parameters :
          {LifParameters{}, LifParameters{.delta_g = 0}, LifParameters{.refractory_ms = 2}}) {
-        EXPECT_EQ(DensePopulation::size_of(parameters, count, false),
+        EXPECT_EQ(DensePopulation::size_of(parameters, count),
                   DensePopulation(parameters, count, 5ms).bytes());
-        EXPECT_EQ(DensePopulation::size_of(parameters, count, true),
-                  DensePopulation(parameters, count, 5ms, {}, std::vector<double>(count)).bytes());
     }
     std::vector<LifParameters> parameters(count);
     const auto expect_known = [&] {
-        EXPECT_EQ(DensePopulation::size_of(parameters, 5ms, false), DensePopulation(parameters, 5ms).bytes());
+        EXPECT_EQ(DensePopulation::size_of(parameters, 5ms), DensePopulation(parameters, 5ms).bytes());
     };
     expect_known();
     parameters.back().delta_g *= 2;

@@ -159,7 +159,9 @@ TEST(SparsePopulation, BeginsAtThePhasesOfItsNeurons) {
     const double gap_mv = parameters.v_th_mv - parameters.v_r_mv;
     const double drive_mv = 2 * gap_mv;
     SparsePopulation<Lif, Individual<Lif>> population(
-        Individual<Lif>(std::vector<LifParameters>(phases.size(), parameters), phases), phases.size());
+        Individual<Lif>(std::vector<LifParameters>(phases.size(), parameters),
+                        [&](std::uint32_t i) { return phases[i]; }),
+        phases.size());
     for (int repeated = 0; repeated < 2; ++repeated) {
         std::vector<TimePoint> first(phases.size(), scene_start);
         for (std::uint32_t i = 0; i < phases.size(); ++i) population.set_drive(i, scene_start, drive_mv);

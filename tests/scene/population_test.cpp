@@ -82,7 +82,6 @@ TEST(PopulationOfAPlan, KnowsWhichWayAStimulusMoves) {
 TEST(Variation, IsNoneByDefault) {
     EXPECT_EQ(Variation().threshold, 1);
     EXPECT_EQ(Variation().delta_g, 1);
-    EXPECT_EQ(Variation().phase, 0);
     EXPECT_EQ(Variation().time_class, 0U);
 }
 
