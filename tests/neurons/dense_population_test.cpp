@@ -202,26 +202,29 @@ TEST(DensePopulation, LosesNoGrazingSpike) {
                 sparse_events(SparsePopulation<AdaptingLif>(AdaptingLif(parameters), 203), drives, 30ms));
 }
 
+// In thresholds, in what a spike adds to g, or in both.
 TEST(DensePopulation, TakesNeuronsThatDiffer) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<> unit;
-    std::vector<LifParameters> parameters(203);
-    for (LifParameters& each : parameters) {
-        each.v_th_mv = -55 + 10 * unit(random);
-        each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
-    }
-    const Drives drives = random_drives(2, parameters.size(), 0, 100);
-    std::vector<double> phases(parameters.size());
-    for (double& phase : phases) phase = unit(random);
-    for (const Phases& each : {Phases(), Phases([&](std::uint32_t i) { return phases[i]; })}) {
-        DensePopulation dense(parameters, 5ms, {}, each);
-        using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
-        const auto events = dense_events(dense, drives);
-        expect_same(
-            events,
-            sparse_events(Sparse(Individual<AdaptingLif>(parameters, each), parameters.size()), drives, 5ms));
-        dense.reset();
-        EXPECT_EQ(dense_events(dense, drives), events);
+    for (const auto& [thresholds, jumps] : {std::pair(true, true), {true, false}, {false, true}}) {
+        std::vector<LifParameters> parameters(203);
+        for (LifParameters& each : parameters) {
+            if (thresholds) each.v_th_mv = -55 + 10 * unit(random);
+            if (jumps) each.delta_g = unit(random) < 0.2 ? 0 : unit(random);
+        }
+        const Drives drives = random_drives(2, parameters.size(), 0, 100);
+        std::vector<double> phases(parameters.size());
+        for (double& phase : phases) phase = unit(random);
+        for (const Phases& each : {Phases(), Phases([&](std::uint32_t i) { return phases[i]; })}) {
+            DensePopulation dense(parameters, 5ms, {}, each);
+            using Sparse = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
+            const auto events = dense_events(dense, drives);
+            expect_same(events,
+                        sparse_events(Sparse(Individual<AdaptingLif>(parameters, each), parameters.size()),
+                                      drives, 5ms));
+            dense.reset();
+            EXPECT_EQ(dense_events(dense, drives), events);
+        }
     }
 }
 

@@ -272,6 +272,7 @@ TEST(Spread, FollowsTheAddress) {
     const auto later = variations_of(spread, 4, {1, 106});
     for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(later.at(i).threshold, whole.at(6 + i).threshold);
     EXPECT_NE(variations_of(spread, 1, {2, 100}).at(0).threshold, whole.at(0).threshold);
+    EXPECT_EQ(whole.at(0).delta_g, 1) << "which is not spread";
     EXPECT_TRUE(variations_of({}, 10, {1, 100}).empty());
 }
 
