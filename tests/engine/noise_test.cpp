@@ -134,7 +134,9 @@ Held hold(double noise_mv, double force_n) {
     patch.outline = scene::Outline{.shape = scene::Rectangle{2, 2}, .pitch_mm = 1};
     patch.sensor.rate_hz = 1000;
     patch.afferents->place.assign(200, {0, 0});
-    scene.source = scene::Pushed();
+    // On the sensors' clock, so that the neurons can be swept.
+    patch.neuron.form = scene::Form::dense;
+    scene.source = scene::Profile{{{.time_s = 0, .force_n = 0}}};
     scene.record = {.events = true, .force = false, .picture = false};
     Coprocessor coprocessor(scene);
     std::vector<TimePoint> last(200);

@@ -20,24 +20,29 @@ afferent.run(afferent.Scene(), unit="pounds")
 """
 
 
-def run(*command):
-    with tempfile.TemporaryDirectory() as cache:
-        return subprocess.run([*map(str, command)], capture_output=True, text=True, cwd=cache,
-                              env={**os.environ, "MYPYPATH": str(PACKAGES), "MYPY_CACHE_DIR": cache})
-
-
 class TypesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        # Of numpy, which all runs of mypy read.
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.cache = holder.name
+
+    def run_quietly(self, *command):
+        return subprocess.run([*map(str, command)], capture_output=True, text=True, cwd=self.cache,
+                              env={**os.environ, "MYPYPATH": str(PACKAGES), "MYPY_CACHE_DIR": self.cache})
+
     def test_stubs_are_those_of_the_compiled_part(self):
-        done = run(shutil.which("stubtest", path="/usr/bin:" + os.environ["PATH"]), "afferent._afferent",
-                   "--allowlist", PROJECT / "tests/python/stubtest_allowlist.txt",
-                   "--mypy-config-file", PROJECT / "pyproject.toml")
+        done = self.run_quietly(shutil.which("stubtest", path="/usr/bin:" + os.environ["PATH"]), "afferent._afferent",
+                                "--allowlist", PROJECT / "tests/python/stubtest_allowlist.txt",
+                                "--mypy-config-file", PROJECT / "pyproject.toml")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_the_version_is_the_library_s(self):
         self.assertIn(f'\nversion = "{afferent.__version__}"\n', (PROJECT / "pyproject.toml").read_text())
 
     def mypy(self, *arguments):
-        return run(sys.executable, "-m", "mypy", "--config-file", PROJECT / "pyproject.toml", *arguments)
+        return self.run_quietly(sys.executable, "-m", "mypy", "--config-file", PROJECT / "pyproject.toml", *arguments)
 
     def test_the_package_and_the_examples_fit(self):
         done = self.mypy("-p", "afferent")
