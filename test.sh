@@ -139,8 +139,12 @@ else
     # and a benchmark's own run adds nothing to the tests of its parts. In the last ones nearly all of the time goes into
     # Verilator, yosys, frama-c and compilers.
     elsewhere='^bench\.Quick|^apps[.](Manual|Documentation)|SimulatedWidth|VerilogExport[.](IsNotEqual|HasNeurons|Fits)|IsProvedNotToOverflow|FindEachChange'
-    # Whole scenes again and again, by code that other tests of apps, faults and studies run under the sanitizers.
+    # Whole scenes again and again, by code that other tests of the same folder run under the sanitizers.
     again='^apps[.](Replay[.](With|Writes|Tells|OfTwo|OfAHand)|TrialCommand[.][^K]|TwoProcesses[.]InLockstepLose|Program[.]RunsTheCommands)|^faults[.]Over/Processes.*/(tcp|udp)( |$)'
+    # (CMake's expressions have no more than nine parentheses.)
+    again="$again|Literature[.]Best|Literature[.]Eleven|Noise[.]Makes|WhatSlides|Textures[.]Have|Textures[.]AreToldBy"
+    again="$again|Tuning[.]HasTheBest|Tuning[.]ShowsHow|trial[.]ContactBrake|FoundGains[.]Are[^N]|FoundGains[.]Choose"
+    again="$again|ClosedLoop[.]Keeps|SchemeMap[.]|ChipBench[.]|DecodingBench[.]FindsNo"
     begin_tests debug --label-exclude '^(project|package)$' --exclude-regex "$elsewhere|$again"
     build tsan runtime_tests threads_tests
     end_tests

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -56,6 +57,8 @@ class SweptNeurons {
     // The interval that begins at time().
     template <class Sink>
     void sweep(Sink&& sink) {
+        // Those of the interval before have been taken: it ended within this window.
+        assert(waiting_.empty());
         swept_from_ = population_.time();
         population_.advance(drives_mv_, [&](TimePoint time, std::uint32_t i) {
             if (time <= until_)
