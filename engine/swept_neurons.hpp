@@ -21,11 +21,8 @@ class SweptNeurons {
   public:
     explicit SweptNeurons(DensePopulation population)
         : population_(std::move(population)), drives_mv_(population_.take_drives()) {
-        waiting_.reserve(room_to_wait(population_.size()));
+        waiting_.reserve(population_.size() / 4);
     }
-
-    // Spikes of an interval that come after the window, for which there is room from the beginning.
-    static constexpr std::size_t room_to_wait(std::size_t neurons) noexcept { return neurons / 4; }
 
     template <class Sink>
     void begin_window(TimePoint until, Sink&& sink) {

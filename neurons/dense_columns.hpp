@@ -15,17 +15,19 @@ namespace afferent::dense {
 // How long the array of so many neurons is: whole vectors.
 constexpr std::size_t padded(std::size_t count) { return (count + max_lanes - 1) / max_lanes * max_lanes; }
 
-// What is stored of one kind for each neuron. The arrays of all populations lie one behind the other: so a
-// sweep over them reads and writes a few long streams, which processors fetch ahead, where arrays of a few
-// kilobytes all over the memory would make it wait at the beginning of each.
+// One kind of number, for each neuron of all populations that share the column. Their arrays are contiguous,
+// so that a sweep over many populations reads a few long streams and processors fetch ahead. A sweep over
+// separate arrays of a few kilobytes would wait at the beginning of each.
 class Column {
   public:
-    // padded(count) zeros, which live as long as this object. The first call makes room for so many; arrays
-    // beyond it lie elsewhere.
-    std::span<double> take(std::size_t count, std::size_t room) {
+    // With room for so many neurons. The arrays of those beyond lie elsewhere.
+    explicit Column(std::size_t room) : room_(room) {}
+
+    // padded(count) zeros, which live as long as this object.
+    std::span<double> take(std::size_t count) {
         const std::size_t length = padded(count);
         if (left_.size() < length) {
-            const std::size_t size = blocks_.empty() ? std::max(length, room) : length;
+            const std::size_t size = blocks_.empty() ? std::max(length, room_) : length;
             blocks_.push_back(hwy::AllocateAligned<double>(size));
             left_ = {blocks_.back().get(), size};
         }
@@ -36,17 +38,18 @@ class Column {
     }
 
   private:
+    std::size_t room_;
     std::span<double> left_;
     std::vector<hwy::AlignedFreeUniquePtr<double[]>> blocks_;
 };
 
 struct Columns {
-    std::size_t room;  // of each
-    Column gap_mv = {};
-    Column scaled_g = {};
-    Column v_th_mv = {};
-    Column delta_g = {};
-    Column drives_mv = {};
+    std::size_t room;
+    Column gap_mv{room};
+    Column scaled_g{room};
+    Column v_th_mv{room};
+    Column delta_g{room};
+    Column drives_mv{room};
 };
 
 }  // namespace afferent::dense

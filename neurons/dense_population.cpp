@@ -141,7 +141,7 @@ std::size_t DensePopulation::bytes() const noexcept {
 }
 
 std::span<double> DensePopulation::take_drives() {
-    return scratch_->columns.drives_mv.take(size_, scratch_->columns.room).first(size_);
+    return scratch_->columns.drives_mv.take(size_).first(size_);
 }
 
 const char* DensePopulation::instructions() const noexcept { return parts_.front().sweeper.instructions(); }

@@ -63,8 +63,8 @@ class DensePopulation {
     // bytes() of a population with these parameters, before it is built.
     static std::size_t size_of(const LifParameters& parameters, std::size_t count) noexcept;
     static std::size_t size_of(std::span<const LifParameters> parameters, Duration scan_interval);
-    // Room for a drive of each neuron, beside that of the populations which share the scratch memory. It is
-    // not a part of bytes().
+    // Returns room for a drive of each neuron, in one column with the drives of the populations that share
+    // the scratch memory. bytes() does not contain it.
     std::span<double> take_drives();
     Duration scan_interval() const noexcept { return scan_interval_; }
     // The population has been advanced up to this time.

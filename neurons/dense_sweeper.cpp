@@ -72,17 +72,17 @@ DenseSweeper::DenseSweeper(const LifParameters& parameters, std::span<const LifP
       scan_interval_ns_(static_cast<double>(scan_interval.count())),
       count_(count),
       period_(Interval(Milliseconds(parameters.refractory_ms)).count() / plan_->model.tau_ns),
-      gap_mv_(scratch_->columns.gap_mv.take(count, scratch_->columns.room)) {
+      gap_mv_(scratch_->columns.gap_mv.take(count)) {
     require(limit.window > Duration(0), "window", "> 0 ns", static_cast<double>(limit.window.count()));
     const double share = scan_interval_ns_ / plan_->steps / static_cast<double>(limit.window.count());
     spikes_per_step_ = std::ceil(limit.spikes * share);
     forgets_ = plan_->model.step > longest_scaled * plan_->model.a;
     dense::Columns& columns = scratch_->columns;
-    if (adapts()) scaled_g_ = columns.scaled_g.take(count, columns.room);
+    if (adapts()) scaled_g_ = columns.scaled_g.take(count);
     // The padding has the last neuron's.
     const auto own = [&](std::span<double>& numbers, dense::Column& column, Number number) {
         if (!differs(each, number)) return;
-        numbers = column.take(count, columns.room);
+        numbers = column.take(count);
         for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = each[std::min(i, count - 1)].*number;
     };
     own(v_th_mv_, columns.v_th_mv, &LifParameters::v_th_mv);

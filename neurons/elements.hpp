@@ -20,8 +20,7 @@ class Alike {
     typename N::State start(std::uint32_t index) const {
         return phases_ ? neuron_.at_phase(phases_(index)) : neuron_.rest();
     }
-    static constexpr std::size_t bytes() noexcept { return 0; }
-    static constexpr std::size_t size_of(std::size_t) noexcept { return 0; }
+    static constexpr std::size_t bytes(std::size_t) noexcept { return 0; }
 
   private:
     N neuron_;
@@ -32,7 +31,7 @@ class Alike {
 template <Neuron N>
 class Individual {
   public:
-    // One set of parameters for each neuron. Throws ParameterError.
+    // Takes one set of parameters for each neuron. Throws ParameterError.
     explicit Individual(std::span<const typename N::Parameters> parameters, Phases phases = {})
         : phases_(std::move(phases)) {
         neurons_.reserve(parameters.size());
@@ -42,9 +41,7 @@ class Individual {
     typename N::State start(std::uint32_t index) const {
         return phases_ ? neurons_[index].at_phase(phases_(index)) : neurons_[index].rest();
     }
-    std::size_t size() const noexcept { return neurons_.size(); }
-    std::size_t bytes() const noexcept { return size_of(neurons_.size()); }
-    static constexpr std::size_t size_of(std::size_t count) noexcept { return count * sizeof(N); }
+    static constexpr std::size_t bytes(std::size_t count) noexcept { return count * sizeof(N); }
 
   private:
     std::vector<N> neurons_;

@@ -77,8 +77,8 @@ concept RemembersIntervals = Neuron<N> && requires(const N& neuron, typename N::
     neuron.advance(state, drive_mv, dt, expm1);
 };
 
-// The phase at which each neuron of a population begins, in [0, 1), by its index; none: all begin at rest.
-// What is drawn for an address is a function of it, so that nothing is stored for each.
+// Tells the phase in [0, 1) at which a neuron of a population begins, by its index. All begin at rest where
+// there is no function. It draws the phase of an address again each time, so that no phase is stored.
 using Phases = std::function<double(std::uint32_t)>;
 
 inline constexpr Interval never{std::numeric_limits<double>::infinity()};

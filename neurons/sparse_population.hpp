@@ -57,10 +57,10 @@ class SparsePopulation {
     }
 
     std::size_t size() const noexcept { return slots_.size(); }
-    std::size_t bytes() const noexcept { return size_of(size(), elements_.bytes()); }
-    // The same before it is built; of_elements is what Elements::bytes() will be.
-    static constexpr std::size_t size_of(std::size_t count, std::size_t of_elements) noexcept {
-        return sizeof(SparsePopulation) + count * bytes_per_neuron + of_elements;
+    std::size_t bytes() const noexcept { return size_of(size()); }
+    // bytes() of a population before it is built.
+    static constexpr std::size_t size_of(std::size_t count) noexcept {
+        return sizeof(SparsePopulation) + count * bytes_per_neuron + Elements::bytes(count);
     }
 
     // The population has been advanced to that time. Setting the present drive again changes nothing.

@@ -18,11 +18,6 @@ constexpr std::size_t shard_words =
 // The levels at which a shard changes its form, its counts, and the end of the window of the second form.
 constexpr std::size_t switching_words = 8 * sizeof(void*);
 
-template <Neuron N, class Elements>
-std::size_t predicted(std::size_t count) {
-    return SparsePopulation<N, Elements>::size_of(count, Elements::size_of(count));
-}
-
 std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
     std::vector<LifParameters> parameters;
     if (patch.neurons_differ)
@@ -39,7 +34,8 @@ std::size_t swept(const PatchPlan& patch, std::uint32_t begin, std::uint32_t cou
 std::size_t neuron_bytes(const PatchPlan& patch, std::uint32_t begin, std::uint32_t count) {
     if (patch.form == scene::Form::dense) return swept(patch, begin, count);
     const std::size_t sparse = visit_neuron(patch.neuron, [&]<class N>(const N&) {
-        return patch.neurons_differ ? predicted<N, Individual<N>>(count) : predicted<N, Alike<N>>(count);
+        return patch.neurons_differ ? SparsePopulation<N, Individual<N>>::size_of(count)
+                                    : SparsePopulation<N>::size_of(count);
     });
     if (patch.form == scene::Form::sparse) return sparse;
     return sparse + swept(patch, begin, count) + switching_words;

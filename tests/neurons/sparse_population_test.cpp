@@ -250,8 +250,9 @@ TEST(SparsePopulation, CountsTheBytesThatItTakesBeforeItIsBuilt) {
     const auto bytes = [](std::size_t count) {
         return SparsePopulation<AdaptingLif>(AdaptingLif(AdaptingLif::Parameters{}), count).bytes();
     };
-    EXPECT_EQ(SparsePopulation<AdaptingLif>::size_of(10, 7) - SparsePopulation<AdaptingLif>::size_of(10, 0),
-              7U);
+    EXPECT_EQ(SparsePopulation<AdaptingLif>::size_of(10), bytes(10));
+    using Differing = SparsePopulation<AdaptingLif, Individual<AdaptingLif>>;
+    EXPECT_EQ(Differing::size_of(10) - Differing::size_of(9) - (bytes(10) - bytes(9)), sizeof(AdaptingLif));
     EXPECT_EQ(bytes(1000) - bytes(100), 900 * (bytes(1) - bytes(0)));
     EXPECT_GE(bytes(1) - bytes(0), sizeof(AdaptingLif::State)) << "a neuron has a state of its own";
 }

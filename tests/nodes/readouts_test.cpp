@@ -370,8 +370,9 @@ TEST(Readouts, DoubtTheContactWherePacketsAreLost) {
     }
 }
 
-// Three spheres are lifted within 20 ms, and a fourth loses 40 % of its force. Prints the part of the initial
-// force that the read-out still tells, and in brackets how often the true force lies within two sigmas.
+// Three spheres are lifted within 20 ms, and a fourth loses 40 % of its force. The test prints the part of
+// the initial force that the read-out still tells, and in brackets how often the true force lies within two
+// sigmas.
 TEST(Readouts, TellThatAContactEnds) {
     struct Left {
         double told = 0;
