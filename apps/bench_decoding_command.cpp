@@ -65,9 +65,9 @@ std::vector<DecodingRow> measure(const std::vector<Touch>& touched, bool quick) 
     return measure_decoding(touched, quick, [&](double fraction) { progress.at(fraction); });
 }
 
-std::vector<Judgement> judge(const std::vector<Touch>& touched) {
+std::vector<Judgement> judge(const std::vector<Touch>& touched, bool quick) {
     Progress progress("particle filter");
-    return judge_filter(touched, [&](double fraction) { progress.at(fraction); });
+    return judge_filter(touched, quick ? 1 : 3, [&](double fraction) { progress.at(fraction); });
 }
 
 std::vector<LossRow> lose(const std::vector<Touch>& touched) {
@@ -158,7 +158,7 @@ void bench_decoding(const BenchDecodingOptions& options) {
         write_decoding(rows, options.out);
         draw_decoding(rows, options.out);
     }
-    const std::vector<Judgement> judgements = judge(touched);
+    const std::vector<Judgement> judgements = judge(touched, options.touches.quick);
     if (!options.out.empty()) write_judgements(judgements, options.out);
     const std::vector<LossRow> losses = lose(touched);
     if (!options.out.empty()) write_loss(losses, options.out);

@@ -13,8 +13,8 @@
 namespace afferent {
 
 // Against the force as the sensors read it, without a model of their hysteresis, in packets of 5 ms and ticks
-// of 100 us. The judge is the best of three runs of the particles, which may lose a force whose afferents are
-// all alike.
+// of 100 us. The judge is the best of several runs of the particles, which may lose a force whose afferents
+// are all alike.
 struct Judgement {
     std::string scene;
     std::uint32_t elements;
@@ -27,7 +27,7 @@ struct Judgement {
 
 // Judges the touches whose forces have at most nine afferents each; with more, the particles take too long.
 // `progress` is told the fraction that is done, from one thread at a time.
-std::vector<Judgement> judge_filter(const std::vector<Touch>& touches,
+std::vector<Judgement> judge_filter(const std::vector<Touch>& touches, std::uint64_t runs,
                                     const std::function<void(double)>& progress);
 
 // judge.csv. Throws std::runtime_error where it cannot be written.

@@ -1,6 +1,7 @@
 // A shard of neurons in any form, with the encoder before them.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,15 @@
 #include "afferent/runtime/spike_storm.hpp"
 
 namespace afferent {
+
+// Takes the spikes of a shard that begins with that address. One type for all encoders, so that what fires
+// them is compiled once for each kind of neurons.
+struct AddressedKeys {
+    EventKeys& events;
+    Address first;
+
+    void operator()(TimePoint time, std::uint32_t i) const { events.add(time, first + i); }
+};
 
 // `Neurons` has the members that PredictedNeurons tells of.
 template <Encoder E, class Neurons>
@@ -27,7 +37,7 @@ class EncodedShard final : public Shard {
     }
 
     void advance(TimePoint until, std::span<const Scan> scans, EventKeys& events) override {
-        const auto sink = [&](TimePoint time, std::uint32_t i) { events.add(time, first_ + i); };
+        const AddressedKeys sink{events, first_};
         neurons_.begin_window(until, sink);
         while (!scans.empty()) {
             const std::span<const Scan> now = simultaneous(scans);
@@ -35,9 +45,11 @@ class EncodedShard final : public Shard {
             neurons_.begin_scan(time, sink);
             neurons_.set_drives(time, [&](auto&& set) {
                 if (noise_.is_none()) return encoder_.take(now, set);
-                encoder_.take(now, [&](std::size_t i, double drive_mv) {
+                const auto set_noisy = [&](std::size_t i, double drive_mv) {
                     set(i, noise_(drive_mv, first_ + static_cast<Address>(i), time));
-                });
+                };
+                // The noise takes longer than a call, which all kinds of neurons share.
+                encoder_.take(now, SetDrive(std::ref(set_noisy)));
             });
             neurons_.end_scan(time);
             scans = scans.subspan(now.size());
@@ -66,6 +78,8 @@ class EncodedShard final : public Shard {
     std::uint64_t form_changes() const noexcept override { return neurons_.form_changes(); }
 
   private:
+    using SetDrive = std::function<void(std::size_t i, double drive_mv)>;
+
     FieldEncoder<E> encoder_;
     Neurons neurons_;
     Address first_;
