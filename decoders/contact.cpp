@@ -84,7 +84,8 @@ double usual_mm(const ContactReadout::Parameters& parameters) {
 ContactReadout::ContactReadout(const Parameters& parameters)
     : patch_(parameters.patch),
       interval_(parameters.interval),
-      pressures_(afferents_of(parameters), units_of(parameters)),
+      pressures_(afferents_of(parameters), units_of(parameters), fields_of(parameters),
+                 parameters.transients),
       fit_(fields_of(parameters), usual_mm(parameters)),
       elements_(parameters.elements),
       element_mm2_(parameters.element_mm2),
@@ -152,16 +153,23 @@ double ContactReadout::misfit(Readings readings, std::span<const Fitted> contact
     return sum;
 }
 
-std::optional<ContactReadout::Moving> ContactReadout::fit_moving(TimePoint now, const Fitted& one,
-                                                                 double highest) noexcept {
-    pressures_.read_at_their_times(now, at_their_times_);
-    blur(at_their_times_, highest);
+// A contact that stands may have had a common change; one that moves is taken to have had none.
+std::optional<ContactReadout::Moving> ContactReadout::fit_moving(TimePoint now,
+                                                                 const CommonChange::Factor& change,
+                                                                 const Fitted& one, double highest) noexcept {
+    const auto read = [&](const CommonChange::Factor& changed) {
+        pressures_.read_at_their_times(now, at_their_times_, changed);
+        blur(at_their_times_, highest);
+    };
     const auto off = [&](const Fitted& fitted) { return fit_.misfit(at_their_times_, fitted.shape); };
+    read(change);
     // A velocity lowers the misfit to 0 at most.
     if (off(one) <= surely_moves) return std::nullopt;
+    const double standing = off(fit(at_their_times_));
+    read({});
     const Fitted moving = fit(at_their_times_, true);
     const double left = off(moving);
-    if (!(off(fit(at_their_times_)) - left > surely_moves)) return std::nullopt;
+    if (!(standing - left > surely_moves)) return std::nullopt;
     return Moving{moving, left};
 }
 
@@ -264,8 +272,12 @@ std::optional<std::array<ContactReadout::Fitted, 2>> ContactReadout::fit_two(con
 
 std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
     told_.fill({.time = now, .patch = patch_});
-    const std::uint32_t afferents = pressures_.read(now, readings_);
-    if (afferents == 0) return std::span(told_).first(1);
+    const CommonChange::Factor change = pressures_.change(now);
+    const std::uint32_t afferents = pressures_.read(now, readings_, change);
+    if (afferents == 0) {
+        pressures_.take_for_sliding(false);
+        return std::span(told_).first(1);
+    }
     double highest = 0;
     for (const PressureFit::Reading& reading : readings_) highest = std::max(highest, reading.lowest);
     double of_shape = 0;  // of the variance of a reading, on average
@@ -274,7 +286,9 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
         if (reading.lowest > 0) of_shape += std::pow(misshapen * highest / reading.below, 2) / afferents;
     const Fitted one = fit(readings_);
     const double of_one = misfit(readings_, {&one, 1}, false);
-    const auto moving = fit_moving(now, one, highest);
+    const auto moving = fit_moving(now, change, one, highest);
+    pressures_.take_for_sliding(moving.has_value());
+    const double common_sigma = pressures_.common_sigma(now, change);
     const auto are_two = [&](std::span<const Fitted> two) {
         const bool fits = misfit(readings_, two, true) <= usually_off * usually_off * afferents;
         const double of_two = misfit(readings_, two, false);
@@ -285,7 +299,8 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
         if (const auto two = fit_two(one); two && are_two(*two)) {
             for (std::size_t i = 0; i < 2; ++i)
                 told_[i].estimate =
-                    estimate((*two)[i], doubt(readings_, *two, afferents, 2 * PressureShape::at_present));
+                    estimate((*two)[i], doubt(readings_, *two, afferents, 2 * PressureShape::at_present),
+                             common_sigma);
             // An afferent is counted where it feels more.
             for (std::size_t i = 0; i < readings_.size(); ++i)
                 if (readings_[i].lowest > 0) {
@@ -305,13 +320,15 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
         told_[0].estimate = estimate(moving->fitted, doubted);
         add_velocity(moving->fitted, doubted, told_[0].estimate);
     } else {
-        told_[0].estimate = estimate(one, doubt(readings_, {&one, 1}, afferents, PressureShape::at_present));
+        told_[0].estimate =
+            estimate(one, doubt(readings_, {&one, 1}, afferents, PressureShape::at_present), common_sigma);
     }
     told_[0].estimate.afferents = afferents;
     return std::span(told_).first(1);
 }
 
-ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doubt) const noexcept {
+ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doubt,
+                                         double common_sigma) const noexcept {
     const Sums sums = sums_of(fitted.shape);
     Sums variance{};
     fit_.each_deviation(fitted.solution, [&](const PressureShape& above, const PressureShape& below) {
@@ -325,7 +342,7 @@ ContactEstimate ContactReadout::estimate(const Fitted& fitted, const Doubt& doub
         variance.y_mm += square(a.y_mm, b.y_mm);
         variance.area_mm2 += square(a.area_mm2, b.area_mm2);
     });
-    const double of_shape = std::hypot(force_of_shape, doubt.unfelt) * sums.force_n;
+    const double of_shape = std::hypot(force_of_shape, doubt.unfelt, common_sigma) * sums.force_n;
     return {.force_n = sums.force_n,
             .force_sigma_n = std::hypot(std::sqrt(variance.force_n), of_shape, sums.full_n),
             .x_mm = sums.x_mm,

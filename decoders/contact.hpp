@@ -30,6 +30,9 @@ namespace afferent {
 // pressures at the times at which they were measured: then the force is that of the present place, without
 // what it has left behind. Two contacts are taken to stand.
 //
+// Transient afferents tell that a contact ends or is pressed less, long before the silence of sustained ones
+// does (common_change.hpp).
+//
 // A spike costs O(1). With 75 afferents and 424 elements an estimate takes 0.3 ms, 0.9 ms of a contact that
 // slides and 2 ms of two contacts. Memory: 1 kB for each afferent. Allocates nothing after construction.
 class ContactReadout {
@@ -47,6 +50,8 @@ class ContactReadout {
         PatchIndex patch{};
         Duration interval = 10ms;  // between estimates; > 0
         std::vector<Afferent> afferents{};
+        // Transient afferents on the same skin; may be empty.
+        std::vector<CommonChange::Transient> transients{};
         // The patch's elements.
         std::vector<SkinField> elements{};
         double element_mm2 = 1;
@@ -129,7 +134,8 @@ class ContactReadout {
         Fitted fitted;
         double misfit;
     };
-    std::optional<Moving> fit_moving(TimePoint now, const Fitted& one, double highest) noexcept;
+    std::optional<Moving> fit_moving(TimePoint now, const CommonChange::Factor& change, const Fitted& one,
+                                     double highest) noexcept;
     // Sorts the afferents into those that are nearer to one and to the other of two middles.
     bool divide() noexcept;
     std::optional<std::array<Fitted, 2>> fit_two(const Fitted& one) noexcept;
@@ -141,7 +147,8 @@ class ContactReadout {
     // `followed`: as many of the readings as the fit follows, whatever they are.
     Doubt doubt(Readings readings, std::span<const Fitted> contacts, std::uint32_t felt,
                 std::size_t followed) const noexcept;
-    ContactEstimate estimate(const Fitted& fitted, const Doubt& doubt) const noexcept;
+    ContactEstimate estimate(const Fitted& fitted, const Doubt& doubt,
+                             double common_sigma = 0) const noexcept;
     static void add_velocity(const Fitted& fitted, const Doubt& doubt, ContactEstimate& estimate) noexcept;
 
     PatchIndex patch_;

@@ -33,6 +33,8 @@ constexpr double left_below = 0.25;
 constexpr Duration forgotten_after = 500ms;
 // From this part of full scale on, a spike says no more than "at least so much".
 constexpr double nearly_full = 0.98;
+// A measurement that is higher than the one before by this part of it tells that the pressure rises.
+constexpr double least_rise = 0.03;
 // After a loss a spike is held against the last pressure, within this part of it and so many units.
 constexpr double expected_part = 0.5;
 constexpr double expected_units = 0.3;
@@ -43,15 +45,21 @@ bool is_remembered(const FieldPressures::Last& last, TimePoint now) {
 
 }  // namespace
 
-FieldPressures::FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2)
+FieldPressures::FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2,
+                               std::span<const SkinField> fields,
+                               std::vector<CommonChange::Transient> transients)
     : replay_(afferents),
       unit_n_per_mm2_(std::move(unit_n_per_mm2)),
       last_(replay_.afferents()),
       branches_(replay_.afferents(), HysteresisBranch(afferents.hysteresis)),
       untouched_(afferents.hysteresis),
+      change_(afferents.addresses, fields, std::move(transients)),
+      held_(change_.held().size()),
       scan_(afferents.scan) {
     require(unit_n_per_mm2_.size() == replay_.afferents(), "unit_n_per_mm2", "one for each afferent",
             static_cast<double>(unit_n_per_mm2_.size()));
+    require(held_.empty() || held_.size() == replay_.afferents(), "fields", "one for each afferent",
+            static_cast<double>(held_.size()));
     for (const auto& afferent : afferents.afferents) {
         const DecodedAfferents::Group& group = afferents.groups[afferent.group];
         sensing_.push_back({nearly_full * group.full_scale_n, group.noise_n, group.noise_fraction});
@@ -66,8 +74,11 @@ double FieldPressures::sensor_sigma(std::uint32_t index, double pressure) const 
 void FieldPressures::observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept {
     if (begin > heard_until_) lose(heard_until_, begin);
     for (const Event& event : events) {
-        const std::uint32_t index = replay_.index_of(event.address);
-        if (index != SpikeReplay::not_read && event.time >= counted_from_) take(index, event.time);
+        if (event.time < counted_from_) continue;
+        if (const auto index = replay_.index_of(event.address); index != SpikeReplay::not_read)
+            take(index, event.time);
+        else if (const auto transient = change_.index_of(event.address); transient != CommonChange::not_read)
+            take_transient(transient, event.time);
     }
     heard_until_ = std::max(heard_until_, end);
 }
@@ -109,12 +120,74 @@ void FieldPressures::take(std::uint32_t index, TimePoint time) noexcept {
     last.time = at;
 }
 
+// A new change closes the one before it, whose factor becomes part of the measurements.
+void FieldPressures::take_transient(std::uint32_t index, TimePoint time) noexcept {
+    if (change_.begins(time)) {
+        const CommonChange::Factor before = change(time);
+        for (std::uint32_t i = 0; i < last_.size(); ++i) {
+            const Last last = changed(i, before);
+            held_[i] = is_remembered(last, time) ? last.pressure * unit_n_per_mm2_[i] : 0;
+        }
+        if (change_.feels(index, held_)) {
+            for (std::uint32_t i = 0; i < last_.size(); ++i) last_[i] = changed(i, before);
+            change_.begin(time, held_, !slides_);
+        }
+    }
+    change_.hear(index, time);
+}
+
+CommonChange::Sustained FieldPressures::tell_change(std::uint32_t index, TimePoint until) const noexcept {
+    const Last& last = last_[index];
+    const TimePoint began = change_.began();
+    const double held = change_.held()[index];
+    const double unit = unit_n_per_mm2_[index];
+    if (last.pressure > 0 && last.time >= began - CommonChange::sudden) {
+        const bool after = last.time > began + CommonChange::sudden;
+        const bool first = last.interval == Duration::max();
+        const double rise = last.change_per_s * seconds(last.interval);
+        if (after ? !(held > 0) : first || rise > least_rise * last.pressure) return {.rises = true};
+        if (after) return {.held = held, .measured = last.pressure * unit};
+        if (last.time >= began) return {};  // it may have been measured before the change was over
+    }
+    return {.held = held, .at_most = bound(index, until).pressure * unit};
+}
+
+CommonChange::Factor FieldPressures::change(TimePoint now) const noexcept {
+    if (!change_.happened() || now - change_.began() > forgotten_after) return {};
+    const TimePoint begin = change_.began() - CommonChange::sudden;
+    const TimePoint end = change_.ended();
+    const double lost = seconds(replay_.lost_between(begin, end)) / seconds(end - begin);
+    const TimePoint until = std::max(known_until(now), end);
+    return change_.factor(1 - lost, [&](std::uint32_t i) { return tell_change(i, until); });
+}
+
+FieldPressures::Last FieldPressures::changed(std::uint32_t index,
+                                             const CommonChange::Factor& change) const noexcept {
+    Last last = last_[index];
+    if (change == CommonChange::Factor() || last.time >= change_.began()) return last;
+    last.variance = change.mean * change.mean * last.variance + std::pow(change.sigma * last.pressure, 2);
+    last.pressure *= change.mean;
+    return last;
+}
+
+double FieldPressures::common_sigma(TimePoint now, const CommonChange::Factor& change) const noexcept {
+    double sum = 0, before = 0;
+    for (std::uint32_t i = 0; i < last_.size(); ++i) {
+        if (!is_remembered(last_[i], now)) continue;
+        sum += changed(i, change).pressure * unit_n_per_mm2_[i];
+        if (last_[i].time < change_.began()) before += last_[i].pressure * unit_n_per_mm2_[i];
+    }
+    return sum > 0 ? change.sigma * before / sum : 0;
+}
+
 void FieldPressures::resume_after(TimePoint start, TimePoint heard_until) noexcept {
     counted_from_ = std::max(start, heard_until);
     heard_until_ = presumed_until_ = heard_until;
     replay_.restart(counted_from_);
     std::fill(last_.begin(), last_.end(), Last{.time = counted_from_});
     std::fill(branches_.begin(), branches_.end(), untouched_);
+    change_.restart();
+    slides_ = false;
 }
 
 double FieldPressures::Bound::at_most() const noexcept { return pressure + bounds_at * sigma; }
@@ -129,24 +202,25 @@ FieldPressures::Bound FieldPressures::bound(std::uint32_t index, TimePoint until
 }
 
 // Afferents that are silent together tell of a fall before each of them does by itself.
-double FieldPressures::change_per_s(TimePoint until, TimePoint now) const noexcept {
+double FieldPressures::change_per_s(TimePoint until, TimePoint now,
+                                    const CommonChange::Factor& change) const noexcept {
     double weights = 0, squares = 0;
     double falling = 0, squares_of_falls = 0;
     for (std::uint32_t i = 0; i < last_.size(); ++i) {
-        const Last& last = last_[i];
+        const Last last = changed(i, change);
         if (!is_remembered(last, now)) continue;
         const double age_s = seconds(now - last.time);
         const double recent = 1 - age_s / seconds(of_late);
         if (last.interval <= begins_train && recent > 0) {
-            const double change = last.change_per_s * unit_n_per_mm2_[i];
+            const double per_s = last.change_per_s * unit_n_per_mm2_[i];
             weights += recent * recent;
-            squares += recent * recent * change * change;
+            squares += recent * recent * per_s * per_s;
         }
         const double fall = (last.pressure - bound(i, until).at_most()) / left_below;
         if (!(fall > 0)) continue;
-        const double change = fall * unit_n_per_mm2_[i] / (age_s + least_interval_s);
+        const double per_s = fall * unit_n_per_mm2_[i] / (age_s + least_interval_s);
         falling += 1;
-        squares_of_falls += change * change;
+        squares_of_falls += per_s * per_s;
     }
     return std::hypot(weights > 0 ? std::sqrt(squares / weights) : 0,
                       falling > 0 ? std::sqrt(squares_of_falls / falling) : 0);
@@ -162,9 +236,8 @@ double FieldPressures::settled(const Last& last, const Bound& bound, double age_
     return last.pressure + std::max(0.0, bound.pressure - last.pressure) * std::min(1.0, age_s / settles_s);
 }
 
-PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint until, TimePoint now,
-                                             double change_per_s) const noexcept {
-    const Last& last = last_[index];
+PressureFit::Reading FieldPressures::reading(std::uint32_t index, const Last& last, TimePoint until,
+                                             TimePoint now, double change_per_s) const noexcept {
     const Bound bound = this->bound(index, until);
     const double least = last.pressure - (last.pressure - bound.at_most()) / left_below;
     if (!is_remembered(last, now) || (bound.at_most() < last.pressure && !(least > 0)))
@@ -180,14 +253,15 @@ PressureFit::Reading FieldPressures::reading(std::uint32_t index, TimePoint unti
             std::min(sigma, std::max(0.0, bound.at_most() - last.pressure))};
 }
 
-std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept {
+std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading> readings,
+                                   const CommonChange::Factor& change) const noexcept {
     std::uint32_t feel = 0;
-    const TimePoint until = std::min(now, std::max(heard_until_, presumed_until_));
-    const double change = change_per_s(until, now);
+    const TimePoint until = known_until(now);
+    const double per_s = change_per_s(until, now, change);
     for (std::uint32_t i = 0; i < last_.size(); ++i) {
         PressureFit::Reading& reading = readings[i];
         const double unit = unit_n_per_mm2_[i];
-        reading = this->reading(i, until, now, change / unit);
+        reading = this->reading(i, changed(i, change), until, now, per_s / unit);
         reading.lowest *= unit;
         reading.highest *= unit;
         reading.below *= unit;
@@ -197,12 +271,12 @@ std::uint32_t FieldPressures::read(TimePoint now, std::span<PressureFit::Reading
     return feel;
 }
 
-void FieldPressures::read_at_their_times(TimePoint now,
-                                         std::span<PressureFit::Reading> readings) const noexcept {
+void FieldPressures::read_at_their_times(TimePoint now, std::span<PressureFit::Reading> readings,
+                                         const CommonChange::Factor& change) const noexcept {
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    const TimePoint until = std::min(now, std::max(heard_until_, presumed_until_));
+    const TimePoint until = known_until(now);
     for (std::uint32_t i = 0; i < last_.size(); ++i) {
-        const Last& last = last_[i];
+        const Last last = changed(i, change);
         const double unit = unit_n_per_mm2_[i];
         const Bound bound = this->bound(i, until);
         readings[last_.size() + i] = {0, bound.pressure * unit, bound.sigma * unit, bound.sigma * unit,
@@ -219,15 +293,18 @@ void FieldPressures::read_at_their_times(TimePoint now,
 }
 
 FieldPressures::Snapshot FieldPressures::snapshot() const {
-    return {replay_.snapshot(), last_, branches_, heard_until_, presumed_until_, counted_from_};
+    return {replay_.snapshot(), last_,           branches_,    change_.snapshot(), slides_,
+            heard_until_,       presumed_until_, counted_from_};
 }
 
 void FieldPressures::resume(const Snapshot& snapshot) {
     require(snapshot.last.size() == last_.size() && snapshot.branches.size() == branches_.size(),
             "snapshot.last", "one for each afferent", static_cast<double>(snapshot.last.size()));
     replay_.resume(snapshot.replay);
+    change_.resume(snapshot.change);
     last_ = snapshot.last;
     branches_ = snapshot.branches;
+    slides_ = snapshot.slides;
     heard_until_ = snapshot.heard_until;
     presumed_until_ = snapshot.presumed_until;
     counted_from_ = snapshot.counted_from;
@@ -236,7 +313,8 @@ void FieldPressures::resume(const Snapshot& snapshot) {
 std::size_t FieldPressures::heap_bytes() const noexcept {
     return replay_.heap_bytes() + unit_n_per_mm2_.capacity() * sizeof(double) +
            sensing_.capacity() * sizeof(Sensing) + last_.capacity() * sizeof(Last) +
-           branches_.capacity() * sizeof(HysteresisBranch);
+           branches_.capacity() * sizeof(HysteresisBranch) + change_.heap_bytes() +
+           held_.capacity() * sizeof(double);
 }
 
 }  // namespace afferent

@@ -1,10 +1,12 @@
 // What the spikes and the silence of afferents tell of the pressures under their receptive fields.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "afferent/decoders/common_change.hpp"
 #include "afferent/decoders/hysteresis_branch.hpp"
 #include "afferent/decoders/pressure_fit.hpp"
 #include "afferent/decoders/spike_replay.hpp"
@@ -19,8 +21,13 @@ namespace afferent {
 // the skin, by what spikes have measured and by the silence of afferents that should have fired; what an
 // afferent has said before a loss, as if they had changed quickly meanwhile.
 //
+// Transient afferents on the same skin tell a change that all pressures under the contact share
+// (common_change.hpp): its factor multiplies what was measured before it. Without their spikes, the readings
+// are those of the sustained afferents alone.
+//
 // A spike costs O(1), the readings O(1) for each afferent. Memory: less than 1 kB for each afferent and four
-// bytes for each address, beside the tables of SpikeReplay. Allocates nothing after construction.
+// bytes for each address, beside the tables of SpikeReplay and CommonChange. Allocates nothing after
+// construction.
 class FieldPressures {
   public:
     // The last measurement of an afferent, in its own unit.
@@ -37,12 +44,17 @@ class FieldPressures {
         SpikeReplay::Snapshot replay;
         std::vector<Last> last;
         std::vector<HysteresisBranch> branches;
+        CommonChange::Snapshot change;
+        bool slides;
         TimePoint heard_until, presumed_until, counted_from;
     };
 
     // The groups of `afferents` fire by the mean pressure under a field in units, whose size, in N/mm², is
-    // that of each afferent. Throws ParameterError, as SpikeReplay does.
-    FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2);
+    // that of each afferent. `fields`: one for each afferent if there are transient ones. Throws
+    // ParameterError, as SpikeReplay and CommonChange do.
+    FieldPressures(const DecodedAfferents& afferents, std::vector<double> unit_n_per_mm2,
+                   std::span<const SkinField> fields = {},
+                   std::vector<CommonChange::Transient> transients = {});
 
     // As of a decoder (decoder.hpp).
     void observe(TimePoint begin, TimePoint end, std::span<const Event> events) noexcept;
@@ -54,11 +66,19 @@ class FieldPressures {
     // Throws ParameterError if it is of another number of afferents.
     void resume(const Snapshot& snapshot);
 
+    // The last common change, as known at `now`: its factor multiplies the pressures measured before it.
+    CommonChange::Factor change(TimePoint now) const noexcept;
     // The pressures at `now`, in N/mm², as many as there are afferents; how many of these feel one.
-    std::uint32_t read(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept;
+    std::uint32_t read(TimePoint now, std::span<PressureFit::Reading> readings,
+                       const CommonChange::Factor& change = {}) const noexcept;
     // For contacts that move: what has been measured of each afferent, at the age that it has, and then what
     // silence bounds now. Twice as many as there are afferents.
-    void read_at_their_times(TimePoint now, std::span<PressureFit::Reading> readings) const noexcept;
+    void read_at_their_times(TimePoint now, std::span<PressureFit::Reading> readings,
+                             const CommonChange::Factor& change = {}) const noexcept;
+    // The standard deviation of the error that the change gives all pressures together, as a part of them.
+    double common_sigma(TimePoint now, const CommonChange::Factor& change) const noexcept;
+    // While a contact slides, pressures rise and fall side by side: a change that begins then is not common.
+    void take_for_sliding(bool slides) noexcept { slides_ = slides; }
 
     std::size_t heap_bytes() const noexcept;
 
@@ -71,16 +91,23 @@ class FieldPressures {
     };
 
     void take(std::uint32_t index, TimePoint time) noexcept;
+    void take_transient(std::uint32_t index, TimePoint time) noexcept;
+    TimePoint known_until(TimePoint now) const noexcept {
+        return std::min(now, std::max(heard_until_, presumed_until_));
+    }
+    CommonChange::Sustained tell_change(std::uint32_t index, TimePoint until) const noexcept;
+    // The last measurement, multiplied by the factor if it is older than the change.
+    Last changed(std::uint32_t index, const CommonChange::Factor& change) const noexcept;
     double sensor_sigma(std::uint32_t index, double pressure) const noexcept;
     // The root mean square of the recent changes, in N/mm² a second. It contains the changes that spikes have
     // measured, and the falls that silence up to `until` implies.
-    double change_per_s(TimePoint until, TimePoint now) const noexcept;
+    double change_per_s(TimePoint until, TimePoint now, const CommonChange::Factor& change) const noexcept;
     Bound bound(std::uint32_t index, TimePoint until) const noexcept;
     // Since it was measured, where it may change by that part in a second that was heard.
     double may_have_changed(const Last& last, TimePoint now, double per_s) const noexcept;
     // The highest pressure that a measurement of that age leaves possible.
     static double settled(const Last& last, const Bound& bound, double age_s) noexcept;
-    PressureFit::Reading reading(std::uint32_t index, TimePoint until, TimePoint now,
+    PressureFit::Reading reading(std::uint32_t index, const Last& last, TimePoint until, TimePoint now,
                                  double change_per_s) const noexcept;
 
     // The sensors under an afferent, in the afferent's own unit.
@@ -94,6 +121,9 @@ class FieldPressures {
     std::vector<Last> last_;
     std::vector<HysteresisBranch> branches_;
     HysteresisBranch untouched_;
+    CommonChange change_;
+    std::vector<double> held_;  // scratch for take_transient
+    bool slides_ = false;
     Duration scan_;
     TimePoint heard_until_{}, presumed_until_{};
     TimePoint counted_from_{};  // events before it, or in a span that is lost, do not count

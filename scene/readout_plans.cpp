@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "afferent/decoders/interval_drive.hpp"
 #include "afferent/hand/aperture.hpp"
 #include "afferent/neurons/rate.hpp"
 #include "afferent/runtime/parameter_error.hpp"
@@ -83,6 +84,35 @@ class SkinFields {
     double element_variance_mm2_;  // of an aperture under stimuli; otherwise of a square
 };
 
+// Of an encoder that is driven by the slope without a threshold; otherwise null.
+const Rectification* rectification_of_slope(const EncoderParameters& encoder) {
+    const Rectification* found = nullptr;
+    if (const auto* plain = std::get_if<Transient::Parameters>(&encoder)) found = &plain->rectification;
+    if (const auto* band = std::get_if<BandTransient::Parameters>(&encoder)) found = &band->rectification;
+    return found && found->threshold == 0 ? found : nullptr;
+}
+
+// The transient afferents on a patch's elements that respond to a falling pressure too, unless decoder.patch
+// names other patches only.
+std::vector<CommonChange::Transient> transients_beside(const Plan& plan, const PatchPlan& patch) {
+    std::vector<CommonChange::Transient> all;
+    const std::vector<std::string>& names = plan.scene.decoder.patch;
+    for (const PatchPlan& other : plan.patches) {
+        const Rectification* const rectification = rectification_of_slope(other.encoder);
+        if (!rectification || !(rectification->negative_ratio > 0) || other.reads != patch.reads) continue;
+        if (!names.empty() && std::ranges::find(names, other.name) == names.end()) continue;
+        const SkinFields skin(plan, other);
+        for (std::uint32_t i = 0; i < other.afferents(); ++i) {
+            const double tau_m_s = 1e-3 * lif_of(other.neuron_of(i)).tau_m_ms;
+            const double rise = skin.threshold(i) * tau_m_s;
+            if (rise > 0)
+                all.push_back(
+                    {other.first + i, skin.field(i), rise / rectification->negative_ratio, rise, tau_m_s});
+        }
+    }
+    return all;
+}
+
 ReadoutParameters contact_of(const Plan& plan, std::size_t index, const SkinFields& skin) {
     const PatchPlan& patch = plan.patches[index];
     ContactReadout::Parameters contact{.addresses = plan.addresses,
@@ -105,6 +135,7 @@ ReadoutParameters contact_of(const Plan& plan, std::size_t index, const SkinFiel
              .unit_n_per_mm2 = unit_n_per_mm2,
              .field = skin.field(i)});
     }
+    contact.transients = transients_beside(plan, patch);
     for (std::uint32_t i = 0; i < patch.elements(); ++i) contact.elements.push_back(skin.element(i));
     return contact;
 }
@@ -203,6 +234,12 @@ constexpr ReadoutKind readout_kinds[]{
     {"texture", "texture", "waves over ", [](const auto& decoder) { return decoder.texture.has_value(); },
      no_texture, texture_of}};
 
+std::string transients_of(const ReadoutParameters& parameters) {
+    const auto* const contact = std::get_if<ContactReadout::Parameters>(&parameters);
+    if (!contact || contact->transients.empty()) return "";
+    return ", whose falls " + std::to_string(contact->transients.size()) + " transient afferents tell";
+}
+
 std::string name_of(const ReadoutKind& kind) { return std::string("read-out of ") + kind.what; }
 
 std::string field_of(const ReadoutKind& kind) { return std::string("decoder.") + kind.field; }
@@ -224,10 +261,13 @@ std::vector<PlanItem> add_kind(const Plan& plan, const ReadoutKind& kind,
     for (std::size_t i = 0; i < plan.patches.size(); ++i) {
         const PatchPlan& patch = plan.patches[i];
         const std::string refusal = kind.refusal(plan, patch);
-        items.push_back(
-            {name_of(kind) + ", \"" + patch.name + "\"", refusal.empty(),
-             refusal.empty() ? field_of(kind) + ": " + kind.how + afferents(patch.afferents()) : refusal});
-        if (refusal.empty()) parameters.push_back(kind.made(plan, i, SkinFields(plan, patch)));
+        std::string reason = refusal;
+        if (refusal.empty()) {
+            parameters.push_back(kind.made(plan, i, SkinFields(plan, patch)));
+            reason = field_of(kind) + ": " + kind.how + afferents(patch.afferents()) +
+                     transients_of(parameters.back());
+        }
+        items.push_back({name_of(kind) + ", \"" + patch.name + "\"", refusal.empty(), reason});
     }
     return items;
 }

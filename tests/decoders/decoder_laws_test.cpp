@@ -381,11 +381,43 @@ TEST(Readouts, BytesAreThoseThatConstructionAllocates) {
         contact.afferents.push_back({address, group, 0.002, field});
         contact.elements.insert(contact.elements.end(), 2, field);
     }
+    contact.addresses = 9;
+    for (Address address = 5; address < 9; ++address)
+        contact.transients.push_back({address, edge.afferents[address].fitted.field, 0.01, 0.001, 0.03});
     EXPECT_EQ(uncounted_bytes(EdgeReadout(edge)), 0U);
     EXPECT_EQ(uncounted_bytes(TextureReadout(texture)), 0U);
     // The table that all afferents share is counted.
     EXPECT_EQ(uncounted_bytes(ContactReadout(contact)), table->bytes());
     EXPECT_EQ(uncounted_bytes(Readouts({edge, contact, texture})), table->bytes());
+}
+
+// With changes that begin, are told and end.
+TEST(Readouts, AllocateNothingAfterConstruction) {
+    ContactReadout::Parameters parameters{.addresses = 9, .patch = {0}, .element_mm2 = 0.25};
+    DecodedAfferents::Group group = group_with(2);
+    group.full_scale_n = 60;
+    for (Address address = 0; address < 9; ++address) {
+        const SkinField field{address % 3 - 1.0, address / 3 - 1.0, 0.25};
+        parameters.elements.push_back(field);
+        if (address < 5)
+            parameters.afferents.push_back({address, group, 0.002, field});
+        else
+            parameters.transients.push_back({address, field, 1e-3, 1e-4, 0.03});
+    }
+    const auto stream = random_stream(5, 200, parameters.addresses);
+    ContactReadout contact(parameters);
+    const auto snapshot = contact.snapshot();
+    const std::uint64_t before = allocations;
+    for (const Step& step : stream) {
+        if (step.lost)
+            contact.lose(step.begin, step.end);
+        else
+            contact.observe(step.begin, step.end, step.events);
+        contact.step(step.now);
+    }
+    contact.resume(snapshot);
+    contact.restart(scene_start);
+    EXPECT_EQ(allocations, before);
 }
 
 TYPED_TEST(DecoderLaws, RefusesAfferentsThatItCannotDecode) {

@@ -131,5 +131,76 @@ TEST(FieldPressures, MayHaveChangedTenTimesAsFastInWhatWasLost) {
     EXPECT_NEAR(changed(30ms) / heard, 0.5 + 10 * 0.5, 0.4);
 }
 
+// A transient afferent fires at a fall by a tenth of the pressure on the first sustained one.
+struct Told {
+    Told()
+        : pressures(two_afferents_of(3), {unit_n_per_mm2, unit_n_per_mm2},
+                    std::array{SkinField{0, 0, 0.25}, SkinField{5, 0, 0.25}},
+                    {{2, {0, 0, 0.25}, 0.06 * unit_n_per_mm2, 0.006 * unit_n_per_mm2, 0.03}}),
+          events(fired(
+              two_afferents().groups[0], 400ms, [](double) { return 0.6; }, 0)) {}
+
+    static DecodedAfferents two_afferents_of(std::size_t addresses) {
+        DecodedAfferents afferents = two_afferents();
+        afferents.addresses = addresses;
+        return afferents;
+    }
+    // In units, some time after the last spike of the sustained one, and after those of the transient one.
+    PressureFit::Reading reading(const std::vector<Duration>& transient, bool slides = false) {
+        const Duration last = events.back().time - scene_start;
+        std::vector<Event> all = events;
+        all.insert(all.begin(), {at(1ms), 2});
+        for (const Duration after : transient) all.push_back({at(last + after), 2});
+        std::sort(all.begin(), all.end());
+        pressures.take_for_sliding(slides);
+        pressures.observe(at(0ms), at(last + 20ms), all);
+        std::array<PressureFit::Reading, 2> readings{};
+        change = pressures.change(at(last + 20ms));
+        pressures.read(at(last + 20ms), readings, change);
+        common_sigma = pressures.common_sigma(at(last + 20ms), change);
+        return {readings[0].lowest / unit_n_per_mm2, 0, readings[0].below / unit_n_per_mm2, 0};
+    }
+
+    FieldPressures pressures;
+    std::vector<Event> events;
+    CommonChange::Factor change;
+    double common_sigma = 0;
+};
+
+TEST(FieldPressures, FallWhereTransientAfferentsFireAndSustainedOnesAreSilent) {
+    Told held, fallen, sliding;
+    const PressureFit::Reading before = held.reading({});
+    EXPECT_NEAR(before.lowest, 0.6, 0.05);
+    EXPECT_EQ(held.change, CommonChange::Factor());
+    EXPECT_EQ(held.common_sigma, 0);
+    const PressureFit::Reading after = fallen.reading({5ms, 8ms, 12ms});
+    EXPECT_LT(after.lowest, 0.9 * before.lowest);
+    EXPECT_GT(after.below, before.below);
+    EXPECT_DOUBLE_EQ(after.lowest, fallen.change.mean * before.lowest);
+    // All of the pressure was measured before.
+    EXPECT_DOUBLE_EQ(fallen.common_sigma, fallen.change.sigma / fallen.change.mean);
+    EXPECT_EQ(sliding.reading({5ms, 8ms, 12ms}, true).lowest, before.lowest);
+}
+
+// What was told of one change stays with the measurement when the next one begins, and in a snapshot.
+TEST(FieldPressures, RememberWhatHasChanged) {
+    Told told;
+    const double after = told.reading({5ms}).lowest;
+    FieldPressures& pressures = told.pressures;
+    Told other;
+    other.pressures.resume(pressures.snapshot());
+    EXPECT_EQ(other.pressures.change(at(450ms)), pressures.change(at(450ms)));
+    const TimePoint next = told.events.back().time + 150ms;
+    pressures.observe(told.events.back().time + 20ms, next + 1ms, std::vector<Event>{{next, 2}});
+    const CommonChange::Factor second = pressures.change(next + 1ms);
+    EXPECT_LT(second.mean, 1);
+    std::array<PressureFit::Reading, 2> readings{};
+    pressures.read(next + 1ms, readings);
+    EXPECT_LT(readings[0].lowest / unit_n_per_mm2, after + 1e-9);
+    EXPECT_GT(readings[0].lowest, 0);
+    pressures.resume_after(next, next);
+    EXPECT_EQ(pressures.change(next), CommonChange::Factor());
+}
+
 }  // namespace
 }  // namespace afferent

@@ -38,6 +38,7 @@ struct ReadOut {
     struct At {
         TimePoint time;
         ContactEstimate contact;
+        friend bool operator==(const At&, const At&) = default;
     };
     std::vector<At> contacts;
     std::vector<EdgeTouch> touches;
@@ -370,73 +371,219 @@ TEST(Readouts, DoubtTheContactWherePacketsAreLost) {
     }
 }
 
-// Three spheres are lifted within 20 ms, and a fourth loses 40 % of its force. The test prints the part of
-// the initial force that the read-out still tells, and in brackets how often the true force lies within two
-// sigmas.
+// What is told of a contact that loses force: the part of the initial force, and how often the true one lies
+// within two sigmas.
+struct Left {
+    double told = 0;
+    int covered = 0, count = 0;
+};
+using LeftByMs = std::map<int, Left>;
+
+struct Lift {
+    const char* name;
+    double radius_mm, force_n;
+    double kept;  // part of the force
+};
+// Within 20 ms, 550 ms after the start.
+constexpr Lift lifts[]{{"sphere of 2 mm, 50 mN", 2, 0.05, 0},
+                       {"sphere of 4 mm, 100 mN", 4, 0.1, 0},
+                       {"sphere of 6 mm, 300 mN", 6, 0.3, 0},
+                       {"sphere of 4 mm, 150 to 90 mN", 4, 0.15, 0.6}};
+
+scene::Touch touch_of(const Lift& lift, int seed) {
+    scene::Indenter indenter{.x_mm = 1.7 * seed - 5,
+                             .y_mm = 0.9 * seed - 2.7,
+                             .radius_mm = lift.radius_mm,
+                             .force_n = lift.force_n * (1 - lift.kept),
+                             .press = {.begin_s = 0.1, .rise_s = 0.05, .hold_s = 0.4, .fall_s = 0.02}};
+    scene::Touch touch;
+    touch.indenter = {indenter};
+    if (lift.kept > 0) {
+        indenter.force_n = lift.force_n * lift.kept;
+        indenter.press = {.begin_s = 0.1, .rise_s = 0.05};
+        touch.indenter.push_back(indenter);
+    }
+    return touch;
+}
+
+using Contacts = std::vector<ReadOut::At>;
+
+// `read` tells the contacts of a scene.
+LeftByMs left_after(const Lift& lift, const char* name, const std::function<Contacts(const Scene&)>& read) {
+    LeftByMs by_ms;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        const scene::Touch touch = touch_of(lift, seed);
+        Scene scene = fingertip_under(touch, 1.2, static_cast<std::uint64_t>(seed));
+        scene.decoder.kind = scene::Filter();
+        scene.decoder.contact.emplace();
+        const ElementGrid grid = *make_plan(scene).patches[0].grid;
+        const auto true_n = [&](TimePoint time) {
+            double sum_n = 0;
+            for (const scene::Indenter& each : touch.indenter)
+                sum_n += truth_of(grid, Indenter(each, touch.skin, Aperture(0.5)).at(time)).force_n;
+            return sum_n;
+        };
+        const double before_n = true_n(scene_start + 500ms);
+        std::map<int, std::pair<double, double>> told;  // of both contacts, where there are two
+        for (const auto& [time, contact] : read(scene)) {
+            auto& [sum_n, sigma_n] = told[static_cast<int>((time - scene_start - 550ms) / 1ms)];
+            sum_n += contact.force_n;
+            sigma_n = std::hypot(sigma_n, contact.force_sigma_n);
+        }
+        for (const int ms : {-50, 50, 100, 150, 200, 300, 400, 600}) {
+            const auto [sum_n, sigma_n] = told.at(ms);
+            const double truth_n = true_n(scene_start + 550ms + ms * 1ms);
+            Left& left = by_ms[ms];
+            left.told += sum_n / before_n / seeds;
+            left.covered += std::abs(sum_n - truth_n) <= 2 * sigma_n;
+            ++left.count;
+        }
+    }
+    std::printf("%-28s %-10s", lift.name, name);
+    for (const auto& [ms, left] : by_ms)
+        std::printf("  %d ms %.0f %% (%.0f)", ms, 100 * left.told, 100.0 * left.covered / left.count);
+    std::printf("\n");
+    return by_ms;
+}
+
+Contacts contacts_of(const Scene& scene) { return read_out(make_plan(scene)).contacts; }
+
+Contacts contacts_by_sa1(Scene scene) {
+    scene.decoder.patch = {"SA1"};
+    return contacts_of(scene);
+}
+
 TEST(Readouts, TellThatAContactEnds) {
-    struct Left {
-        double told = 0;
-        int covered = 0, count = 0;
+    for (const Lift& lift : lifts) {
+        const LeftByMs sa1 = left_after(lift, "SA1", contacts_by_sa1);
+        EXPECT_NEAR(sa1.at(-50).told, 1, 0.1) << lift.name;
+        // A contact that few afferents feel is the slower to end.
+        EXPECT_LT(sa1.at(300).told, 0.6) << lift.name;
+        EXPECT_NEAR(sa1.at(600).told, lift.kept, 0.1) << lift.name;
+        EXPECT_GE(sa1.at(200).covered + sa1.at(300).covered, (lift.kept > 0 ? 1 : 2) * seeds) << lift.name;
+
+        const LeftByMs ra = left_after(lift, "SA1 and RA", contacts_of);
+        EXPECT_NEAR(ra.at(-50).told, 1, 0.1) << lift.name;
+        for (const int ms : {50, 100, 150, 200, 300}) {
+            // Where few RA feel the fall, a part of it stays.
+            EXPECT_NEAR(ra.at(ms).told, lift.kept, 0.3) << lift.name << ' ' << ms;
+            EXPECT_EQ(ra.at(ms).covered, ra.at(ms).count) << lift.name << ' ' << ms;
+        }
+        EXPECT_NEAR(ra.at(600).told, lift.kept, 0.1) << lift.name;
+    }
+}
+
+std::vector<Event> events_of(Scene scene) {
+    scene.decoder.contact.reset();
+    std::vector<Event> events;
+    whole_run(make_plan(scene), {.events = [&](std::span<const Event> some) {
+                  events.insert(events.end(), some.begin(), some.end());
+              }});
+    std::ranges::sort(events);
+    return events;
+}
+
+// What the decoder of a scene that is told makes of events, in packets of 5 ms of which some are lost.
+Contacts contacts_of(
+    const Scene& told, const std::vector<Event>& events,
+    const std::function<bool()>& is_lost = [] { return false; }) {
+    Readouts readouts(make_plan(told).controller->readouts.parameters);
+    Contacts contacts;
+    std::vector<PatchReadout> some;
+    auto first = events.begin();
+    for (TimePoint begin = scene_start; begin < scene_start + 1200ms; begin += 5ms) {
+        const auto last = std::lower_bound(first, events.end(), Event{begin + 5ms, 0});
+        if (is_lost())
+            readouts.lose(begin, begin + 5ms);
+        else
+            readouts.observe(begin, begin + 5ms, {first, last});
+        first = last;
+        readouts.step(begin + 5ms, some);
+        for (const PatchReadout& readout : some) {
+            const auto& contact = std::get<PatchContact>(readout);
+            contacts.push_back({contact.time, contact.estimate});
+        }
+    }
+    return contacts;
+}
+
+// Dead RA change nothing. Where RA are less sensitive than the decoder is told, more of the force stays;
+// where they are more sensitive, less: the sigma contains that, and what lost packets hide.
+TEST(Readouts, TellThatAContactEndsWhereTransientAfferentsAreNotAsTold) {
+    const auto without_ra = [](const Scene& scene) {
+        const Plan plan = make_plan(scene);
+        const PatchPlan& ra = plan.patches[1];
+        std::vector<Event> events = events_of(scene);
+        std::erase_if(events, [&](const Event& event) {
+            return event.address >= ra.first && event.address < ra.first + ra.afferents();
+        });
+        return events;
     };
-    for (const auto& [name, radius_mm, force_n, kept] : {std::tuple{"sphere of 2 mm, 50 mN", 2.0, 0.05, 0.0},
-                                                         {"sphere of 4 mm, 100 mN", 4.0, 0.1, 0.0},
-                                                         {"sphere of 6 mm, 300 mN", 6.0, 0.3, 0.0},
-                                                         {"sphere of 4 mm, 150 to 90 mN", 4.0, 0.15, 0.6}}) {
-        std::map<int, Left> by_ms;
+    const auto told_gain = [](double factor) {
+        return [factor](const Scene& scene) {
+            Scene told = scene;
+            std::get<scene::Transient>(told.patches[1].encoder).gain_mv_s_per_n = 360 * factor;
+            return contacts_of(told, events_of(scene));
+        };
+    };
+    const auto lossy = [](const Scene& scene) {
+        return contacts_of(scene, events_of(scene), [random = std::mt19937(7)]() mutable {
+            return std::bernoulli_distribution(0.1)(random);
+        });
+    };
+    int covered = 0, count = 0;
+    for (const Lift& lift : lifts) {
         for (int seed = 1; seed <= seeds; ++seed) {
-            scene::Indenter indenter{
-                .x_mm = 1.7 * seed - 5,
-                .y_mm = 0.9 * seed - 2.7,
-                .radius_mm = radius_mm,
-                .force_n = force_n * (1 - kept),
-                .press = {.begin_s = 0.1, .rise_s = 0.05, .hold_s = 0.4, .fall_s = 0.02}};
-            scene::Touch touch;
-            touch.indenter = {indenter};
-            if (kept > 0) {
-                indenter.force_n = force_n * kept;
-                indenter.press = {.begin_s = 0.1, .rise_s = 0.05};
-                touch.indenter.push_back(indenter);
-            }
-            Scene scene = fingertip_under(touch, 1.2, static_cast<std::uint64_t>(seed));
+            Scene scene = fingertip_under(touch_of(lift, seed), 1.2, static_cast<std::uint64_t>(seed));
             scene.decoder.kind = scene::Filter();
             scene.decoder.contact.emplace();
-            const Plan plan = make_plan(scene);
-            const auto true_n = [&](TimePoint time) {
-                double sum_n = 0;
-                for (const scene::Indenter& each : touch.indenter)
-                    sum_n +=
-                        truth_of(*plan.patches[0].grid, Indenter(each, touch.skin, Aperture(0.5)).at(time))
-                            .force_n;
-                return sum_n;
-            };
-            const double before_n = true_n(scene_start + 500ms);
-            std::map<int, std::pair<double, double>> told;  // of both contacts, where there are two
-            for (const auto& [time, contact] : read_out(plan).contacts) {
-                auto& [sum_n, sigma_n] = told[static_cast<int>((time - scene_start - 550ms) / 1ms)];
-                sum_n += contact.force_n;
-                sigma_n = std::hypot(sigma_n, contact.force_sigma_n);
-            }
-            for (const int ms : {-50, 50, 100, 150, 200, 300, 400, 600}) {
-                const auto [sum_n, sigma_n] = told.at(ms);
-                const double truth_n = true_n(scene_start + 550ms + ms * 1ms);
-                Left& left = by_ms[ms];
-                left.told += sum_n / before_n;
-                left.covered += std::abs(sum_n - truth_n) <= 2 * sigma_n;
-                ++left.count;
+            Scene told = scene;
+            told.decoder.patch = {"SA1"};
+            const std::vector<Event> events = without_ra(scene);
+            EXPECT_TRUE(contacts_of(scene, events) == contacts_of(told, events)) << lift.name;
+        }
+        for (const auto& [name, read] :
+             {std::pair<const char*, std::function<Contacts(const Scene&)>>{"gain 1.3", told_gain(1.3)},
+              {"gain 0.77", told_gain(1 / 1.3)},
+              {"10 % lost", lossy}}) {
+            const LeftByMs left = left_after(lift, name, read);
+            EXPECT_NEAR(left.at(150).told, lift.kept, 0.4) << lift.name << ' ' << name;
+            for (const int ms : {100, 150, 200, 300}) {
+                covered += left.at(ms).covered;
+                count += left.at(ms).count;
             }
         }
-        std::printf("%-28s", name);
-        for (const auto& [ms, left] : by_ms)
-            std::printf("  %d ms %.0f %% (%.0f)", ms, 100 * left.told / left.count,
-                        100.0 * left.covered / left.count);
-        std::printf("\n");
-        const auto told = [&](int ms) { return by_ms[ms].told / by_ms[ms].count; };
-        EXPECT_NEAR(told(-50), 1, 0.1) << name;
-        // A contact that few afferents feel is the slower to end.
-        EXPECT_LT(told(300), 0.6) << name;
-        EXPECT_NEAR(told(600), kept, 0.1) << name;
-        EXPECT_GE(by_ms[200].covered + by_ms[300].covered, (kept > 0 ? 1 : 2) * seeds) << name;
     }
+    EXPECT_GT(covered, 0.9 * count);
+}
+
+// While the force rises or vibrates, or the contact slides, RA fire as well.
+TEST(Readouts, LowerNoForceWhereRaFireButNoContactEnds) {
+    scene::Indenter held{.radius_mm = 4, .force_n = 0.1, .press = {.begin_s = 0.1, .rise_s = 0.05}};
+    scene::Indenter more = held;
+    more.force_n = 0.05;
+    more.press.begin_s = 0.5;
+    scene::Indenter vibrating = held;
+    vibrating.press.vibration_hz = 40;
+    vibrating.press.vibration = 0.05;
+    for (const auto& [name, indenters] :
+         {std::pair<const char*, std::vector<scene::Indenter>>{"rises", {held, more}},
+          {"vibrates", {vibrating}}})
+        for (int seed = 1; seed <= seeds; ++seed) {
+            scene::Touch touch;
+            touch.indenter = indenters;
+            Scene scene = fingertip_under(touch, 0.9, static_cast<std::uint64_t>(seed));
+            scene.decoder.kind = scene::Filter();
+            scene.decoder.contact.emplace();
+            const Contacts by_sa1 = contacts_by_sa1(scene);
+            const Contacts by_both = contacts_of(scene);
+            ASSERT_EQ(by_both.size(), by_sa1.size());
+            for (std::size_t i = 0; i < by_both.size(); ++i)
+                if (by_both[i].time > scene_start + 250ms) {
+                    EXPECT_GT(by_both[i].contact.force_n, 0.9 * by_sa1[i].contact.force_n)
+                        << name << ' ' << seconds(by_both[i].time);
+                }
+        }
 }
 
 TEST(Readouts, TellNoContactBeforeThereIsOne) {
@@ -557,27 +704,39 @@ const std::string touched_tip =
     "adc_bits: 20 } } "
     "source { edge { begin_mm: -6 } } decoder { filter {} contact {} edge {} texture { window_ms: 300 } } ";
 
+// RA tell that the sphere is lifted.
+const std::string lifted_tip =
+    "duration_s: 0.9 patch { name: 'tip' kind: SA1 outline {} sensor { rate_hz: 1000 full_scale_n: 0.1 "
+    "adc_bits: 20 } } patch { name: 'RA' kind: RA elements_of: 'tip' } source { indenter { radius_mm: 4 "
+    "force_n: "
+    "0.1 press { begin_s: 0.1 rise_s: 0.05 hold_s: 0.4 fall_s: 0.02 } } } decoder { filter {} contact {} } ";
+
 std::size_t numbers_read_out(const Steps& steps) {
     std::size_t count = 0;
     for (const auto& step : steps) count += step.size() - 10;
     return count;
 }
 
-TEST(Readouts, AreTheSameOnBothEndsOfALink) {
-    TwoNodes two(touched_tip + "link { tcp {} } gain { accept_unreachable_limit: true }");
+void expect_the_same_on_both_ends(const std::string& scene, std::size_t expected_numbers) {
+    TwoNodes two(scene + "link { tcp {} } gain { accept_unreachable_limit: true }");
     two.start_in_lockstep();
     two.run_to_the_end();
     const RunOutcome run = outcome_of_run(two.plan);
     EXPECT_EQ(without_truth(two.hand.steps), without_truth(run.steps));
-    EXPECT_EQ(numbers_read_out(run.steps), 90U * 16 + 9 + 2 * 14)
-        << "a contact each 10 ms, a touch, and two windows";
+    EXPECT_EQ(numbers_read_out(run.steps), expected_numbers);
 }
 
-TEST(Readouts, AreTheSameInAReplay) {
+TEST(Readouts, AreTheSameOnBothEndsOfALink) {
+    // A contact each 10 ms, a touch, and two windows.
+    expect_the_same_on_both_ends(touched_tip, 90U * 16 + 9 + 2 * 14);
+    expect_the_same_on_both_ends(lifted_tip, 90U * 16);
+}
+
+void expect_the_same_in_a_replay(const std::string& scene) {
     const auto file =
         std::filesystem::temp_directory_path() / ("afferent-readouts-" + std::to_string(getpid()));
     const Plan plan = make_plan(
-        Scene::from_text(touched_tip + "link { udp {} channel { loss: 0.1 latency_ms: 3 jitter_ms: 10 } }"));
+        Scene::from_text(scene + "link { udp {} channel { loss: 0.1 latency_ms: 3 jitter_ms: 10 } }"));
     Steps recorded, replayed;
     auto run = Run::open(
         plan, {.step = [&](const ControllerStep& step) { recorded.push_back(readout_numbers(step)); }});
@@ -606,6 +765,11 @@ TEST(Readouts, AreTheSameInAReplay) {
     inversion.kind = scene::Inversion();
     EXPECT_TRUE(Replay::open(file, {}, inversion));
     std::filesystem::remove(file);
+}
+
+TEST(Readouts, AreTheSameInAReplay) {
+    expect_the_same_in_a_replay(touched_tip);
+    expect_the_same_in_a_replay(lifted_tip);
 }
 
 }  // namespace

@@ -133,6 +133,37 @@ TEST(ReadoutPlans, OfAContactAreTheSameBesideEveryDecoder) {
     EXPECT_EQ(parameters("interval {}"), parameters("filter {}"));
 }
 
+// Of RA, whose negative half-wave is 0.12 of the positive one, the fall that makes one fire is 1/0.12 times
+// the rise; PC, which feel no slope, are not among them.
+TEST(ReadoutPlans, OfAContactHaveTheTransientAfferentsOnTheSameSkin) {
+    const std::string tip =
+        "patch { name: 'tip' kinds: [SA1, RA, PC] outline {} } patch { name: 'other' kind: RA outline {} } "
+        "source { pushed {} } decoder { filter {} contact {} ";
+    const auto contact_of = [](const std::string& text) {
+        return std::get<ContactReadout::Parameters>(controller_of(text).readouts.parameters.at(0));
+    };
+    const Plan plan = make_plan(Scene::from_text(tip + "}"));
+    const PatchPlan& ra = plan.patches[1];
+    const auto transients = contact_of(tip + "}").transients;
+    ASSERT_EQ(transients.size(), ra.afferents());
+    for (std::size_t i = 0; i < transients.size(); ++i) {
+        EXPECT_EQ(transients[i].address, ra.first + i);
+        EXPECT_NEAR(transients[i].rise_n_per_mm2 / transients[i].fall_n_per_mm2, 0.12, 1e-12);
+        EXPECT_DOUBLE_EQ(transients[i].tau_m_s, 0.034);
+        EXPECT_GT(transients[i].rise_n_per_mm2, 0);
+    }
+    EXPECT_TRUE(contact_of(tip + "patch: 'tip SA1' }").transients.empty());
+    EXPECT_TRUE(
+        contact_of("patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } decoder { filter {} "
+                   "contact {} }")
+            .transients.empty());
+    const std::string says = "whose falls " + std::to_string(transients.size()) + " transient afferents tell";
+    EXPECT_TRUE(std::any_of(plan.items.begin(), plan.items.end(), [&](const PlanItem& part) {
+        return part.built && part.name == "read-out of contact, \"tip SA1\"" &&
+               part.reason.find(says) != std::string::npos;
+    }));
+}
+
 TEST(ReadoutPlans, TellTheFieldsOfAfferents) {
     const auto contact = std::get<ContactReadout::Parameters>(
         controller_of(
