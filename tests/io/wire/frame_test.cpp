@@ -1,6 +1,9 @@
 #include "afferent/io/wire/frame.hpp"
 
 #include <gtest/gtest.h>
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
 
 #include <cstring>
 #include <random>
@@ -72,6 +75,28 @@ TEST(Checksum, IsTheOneOfIscsi) {
     EXPECT_EQ(crc32c(Bytes(32, std::byte{0xff})), 0x62a8ab43U);
     EXPECT_EQ(crc32c(std::as_bytes(std::span(std::string_view("123456789")))), 0xe3069283U);
 }
+
+#ifdef __x86_64__
+// XINUSE: the parts of the processor's state that are not as they were initially. Requires that the processor
+// tells.
+__attribute__((target("xsave"))) std::uint64_t parts_in_use() { return __builtin_ia32_xgetbv(1); }
+
+bool tells_parts_in_use() {
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __get_cpuid_count(0xd, 1, &a, &b, &c, &d) != 0 && (a & 4) != 0;
+}
+
+TEST(Checksum, LeavesNoUpperPartOfAVectorRegisterInUse) {
+    if (!tells_parts_in_use())
+        GTEST_SKIP() << "the processor does not tell which parts of its state are in use";
+    constexpr std::uint64_t upper_parts = 0x44;  // of 256 and of 512 bits
+    for (const std::size_t size : {16, 100, 1000, 100'000}) {
+        const Bytes bytes(size, std::byte{1});
+        (void)crc32c(bytes);
+        EXPECT_EQ(parts_in_use() & upper_parts, 0U) << size;
+    }
+}
+#endif
 
 TEST(Frame, ComesBackFromAStreamHoweverItIsCut) {
     FrameWriter writer;
