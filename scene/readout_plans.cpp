@@ -237,7 +237,7 @@ constexpr ReadoutKind readout_kinds[]{
 std::string transients_of(const ReadoutParameters& parameters) {
     const auto* const contact = std::get_if<ContactReadout::Parameters>(&parameters);
     if (!contact || contact->transients.empty()) return "";
-    return ", whose falls " + std::to_string(contact->transients.size()) + " transient afferents tell";
+    return ", and how they fall by " + std::to_string(contact->transients.size()) + " transient ones";
 }
 
 std::string name_of(const ReadoutKind& kind) { return std::string("read-out of ") + kind.what; }

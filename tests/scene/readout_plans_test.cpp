@@ -157,7 +157,7 @@ TEST(ReadoutPlans, OfAContactHaveTheTransientAfferentsOnTheSameSkin) {
         contact_of("patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } decoder { filter {} "
                    "contact {} }")
             .transients.empty());
-    const std::string says = "whose falls " + std::to_string(transients.size()) + " transient afferents tell";
+    const std::string says = "how they fall by " + std::to_string(transients.size()) + " transient ones";
     EXPECT_TRUE(std::any_of(plan.items.begin(), plan.items.end(), [&](const PlanItem& part) {
         return part.built && part.name == "read-out of contact, \"tip SA1\"" &&
                part.reason.find(says) != std::string::npos;
