@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "afferent/runtime/parameter_error.hpp"
 
@@ -76,17 +77,17 @@ CommonChange::CommonChange(std::size_t addresses, std::span<const SkinField> sus
 
 CommonChange::Neighbours CommonChange::neighbours_of(const SkinField& field,
                                                      std::span<const SkinField> sustained) const {
-    const auto square_mm2 = [&](std::uint32_t i) {
-        return std::pow(sustained[i].x_mm - field.x_mm, 2) + std::pow(sustained[i].y_mm - field.y_mm, 2);
-    };
-    std::vector<std::uint32_t> order(sustained.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::ranges::stable_sort(order, {}, square_mm2);
+    std::vector<std::pair<double, std::uint32_t>> by_square_mm2;
+    for (std::uint32_t i = 0; i < sustained.size(); ++i)
+        by_square_mm2.emplace_back(
+            std::pow(sustained[i].x_mm - field.x_mm, 2) + std::pow(sustained[i].y_mm - field.y_mm, 2), i);
+    std::ranges::sort(by_square_mm2);
     Neighbours near;
     double sum = 0;
-    for (std::size_t k = 0; k < std::min(nearest, order.size()); ++k) {
-        near.index[k] = order[k];
-        sum += near.weight[k] = std::exp(-square_mm2(order[k]) / (2 * around_mm * around_mm));
+    for (std::size_t k = 0; k < std::min(nearest, by_square_mm2.size()); ++k) {
+        const auto& [square_mm2, i] = by_square_mm2[k];
+        near.index[k] = i;
+        sum += near.weight[k] = std::exp(-square_mm2 / (2 * around_mm * around_mm));
     }
     if (sum > 0)
         for (double& weight : near.weight) weight /= sum;
