@@ -138,7 +138,7 @@ void CommonChange::multiply(Posterior& posterior, const Likelihood& likelihood,
 void CommonChange::add(std::uint32_t index, double heard, Posterior& posterior) const noexcept {
     const Transient& transient = transients_[index];
     const double held = felt_by(index, held_);
-    // The silence of one that has never fired tells nothing: it may be dead.
+    // An afferent that has never fired may be dead, so that its silence does not count.
     if (!(held > 0) || !works_[index]) return;
     const std::uint32_t spikes = spikes_[index];
     const double x = (seconds(end_ - begin_) + least_change_s) / transient.tau_m_s;

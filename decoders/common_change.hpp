@@ -40,7 +40,7 @@ class CommonChange {
         double tau_m_s;
         friend bool operator==(const Transient&, const Transient&) = default;
     };
-    // What a sustained afferent tells of the change; pressures in N/mm².
+    // What is known of the change from one sustained afferent. Pressures are in N/mm².
     struct Sustained {
         double held = 0;      // pressure before the change; 0: none
         double measured = 0;  // pressure after it; 0: not measured yet
@@ -89,8 +89,8 @@ class CommonChange {
     TimePoint ended() const noexcept { return end_; }
     std::span<const double> held() const noexcept { return held_; }
 
-    // tell(i) is what the i-th sustained afferent tells; `heard`, the part of the change's time that was not
-    // lost.
+    // tell(i) returns what is known from the i-th sustained afferent. `heard` is the part of the change's
+    // time that was not lost.
     template <class Tell>
     Factor factor(double heard, const Tell& tell) const noexcept {
         Posterior posterior = prior_;

@@ -33,7 +33,7 @@ constexpr double left_below = 0.25;
 constexpr Duration forgotten_after = 500ms;
 // From this part of full scale on, a spike says no more than "at least so much".
 constexpr double nearly_full = 0.98;
-// A measurement that is higher than the one before by this part of it tells that the pressure rises.
+// The pressure rises if a measurement is higher than the one before it by this part.
 constexpr double least_rise = 0.03;
 // After a loss a spike is held against the last pressure, within this part of it and so many units.
 constexpr double expected_part = 0.5;

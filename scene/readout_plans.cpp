@@ -84,7 +84,7 @@ class SkinFields {
     double element_variance_mm2_;  // of an aperture under stimuli; otherwise of a square
 };
 
-// Of an encoder that is driven by the slope without a threshold; otherwise null.
+// How an encoder rectifies the slope of the force. Null if it encodes something else, or has a threshold.
 const Rectification* rectification_of_slope(const EncoderParameters& encoder) {
     const Rectification* found = nullptr;
     if (const auto* plain = std::get_if<Transient::Parameters>(&encoder)) found = &plain->rectification;

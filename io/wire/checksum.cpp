@@ -9,8 +9,8 @@ namespace afferent {
 namespace {
 
 #ifdef __x86_64__
-// Of long frames, ISA-L leaves values in the upper parts of the vector registers, for which each SSE
-// instruction of the thread then waits: exp() takes thirty times as long.
+// After a long frame, ISA-L leaves values in the upper parts of the vector registers. Each SSE instruction of
+// the thread would then wait for them: exp() takes thirty times as long.
 __attribute__((target("avx"))) void clear_upper_parts() noexcept { __builtin_ia32_vzeroupper(); }
 #endif
 

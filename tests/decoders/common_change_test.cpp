@@ -107,7 +107,7 @@ TEST(CommonChange, LowersNoPressureThatRises) {
     EXPECT_GT(change.factor(1, measured).mean, 0.95);
 }
 
-// Silence tells a fall from a rise where a slightly higher pressure would have made some of them fire.
+// Where a slightly higher pressure would have made sustained afferents fire, their silence rules out a rise.
 TEST(CommonChange, TellsAFallFromARiseBySilence) {
     CommonChange change = under_contact();
     fall_by(change, 0.5);

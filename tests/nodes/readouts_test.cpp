@@ -371,8 +371,8 @@ TEST(Readouts, DoubtTheContactWherePacketsAreLost) {
     }
 }
 
-// What is told of a contact that loses force: the part of the initial force, and how often the true one lies
-// within two sigmas.
+// After a contact has lost force: the read-out's force as a part of the initial one, and how often the true
+// force lies within two sigmas of it.
 struct Left {
     double told = 0;
     int covered = 0, count = 0;
@@ -408,7 +408,7 @@ scene::Touch touch_of(const Lift& lift, int seed) {
 
 using Contacts = std::vector<ReadOut::At>;
 
-// `read` tells the contacts of a scene.
+// `read` returns the estimates of the contact in a scene.
 LeftByMs left_after(const Lift& lift, const char* name, const std::function<Contacts(const Scene&)>& read) {
     LeftByMs by_ms;
     for (int seed = 1; seed <= seeds; ++seed) {

@@ -133,8 +133,8 @@ TEST(ReadoutPlans, OfAContactAreTheSameBesideEveryDecoder) {
     EXPECT_EQ(parameters("interval {}"), parameters("filter {}"));
 }
 
-// Of RA, whose negative half-wave is 0.12 of the positive one, the fall that makes one fire is 1/0.12 times
-// the rise; PC, which feel no slope, are not among them.
+// The negative half-wave of RA is 0.12 of the positive one, so that an RA fires at a fall 1/0.12 times as
+// large as the rise at which it fires. PC do not take part, since the slope does not drive them.
 TEST(ReadoutPlans, OfAContactHaveTheTransientAfferentsOnTheSameSkin) {
     const std::string tip =
         "patch { name: 'tip' kinds: [SA1, RA, PC] outline {} } patch { name: 'other' kind: RA outline {} } "

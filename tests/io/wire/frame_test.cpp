@@ -77,8 +77,8 @@ TEST(Checksum, IsTheOneOfIscsi) {
 }
 
 #ifdef __x86_64__
-// XINUSE: the parts of the processor's state that are not as they were initially. Requires that the processor
-// tells.
+// XINUSE: the parts of the processor's state that are not in their initial configuration. Call it only if
+// tells_parts_in_use().
 __attribute__((target("xsave"))) std::uint64_t parts_in_use() { return __builtin_ia32_xgetbv(1); }
 
 bool tells_parts_in_use() {
