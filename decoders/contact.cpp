@@ -274,10 +274,7 @@ std::span<const PatchContact> ContactReadout::contacts(TimePoint now) {
     told_.fill({.time = now, .patch = patch_});
     const CommonChange::Factor change = pressures_.change(now);
     const std::uint32_t afferents = pressures_.read(now, readings_, change);
-    if (afferents == 0) {
-        pressures_.take_for_sliding(false);
-        return std::span(told_).first(1);
-    }
+    if (afferents == 0) return std::span(told_).first(1);
     double highest = 0;
     for (const PressureFit::Reading& reading : readings_) highest = std::max(highest, reading.lowest);
     double of_shape = 0;  // of the variance of a reading, on average

@@ -92,6 +92,27 @@ TEST(CommonChange, IsNoneWithoutAPressureOrASpike) {
     EXPECT_TRUE(change.begins(at(601ms)));
 }
 
+// One that lies on a sustained afferent feels 1/(1 + 2w + w²) of what that one alone holds, w = e^(−1/(2 ·
+// 0.6²)), as the next ones are 1, 1 and √2 mm away.
+TEST(CommonChange, IsFeltAsTheSustainedAfferentsAroundHoldIt) {
+    const auto fallen = [](std::vector<double> held) {
+        CommonChange change(sustained + transient, fields(),
+                            {{sustained, fields()[0], 0.5 * held_n_per_mm2, 0.05 * held_n_per_mm2, slow_s}});
+        change.begin(at(500ms), held, true);
+        change.hear(0, at(500ms));
+        return change.factor(1, [](std::uint32_t) { return CommonChange::Sustained{}; });
+    };
+    std::vector<double> below_it(sustained, 0.0);
+    below_it[0] = held_n_per_mm2;
+    const double w = std::exp(-1 / 0.72);
+    const CommonChange::Factor told = fallen(below_it);
+    const CommonChange::Factor expected =
+        fallen(std::vector<double>(sustained, held_n_per_mm2 / (1 + 2 * w + w * w)));
+    EXPECT_NEAR(told.mean, expected.mean, 1e-9);
+    EXPECT_NEAR(told.sigma, expected.sigma, 1e-9);
+    EXPECT_GT(std::abs(told.mean - fallen(std::vector<double>(sustained, held_n_per_mm2)).mean), 0.01);
+}
+
 // A rise by an eighth of the part makes the same transient afferents fire.
 TEST(CommonChange, LowersNoPressureThatRises) {
     CommonChange change = under_contact();
@@ -105,6 +126,11 @@ TEST(CommonChange, LowersNoPressureThatRises) {
                      : silent(i);
     };
     EXPECT_GT(change.factor(1, measured).mean, 0.95);
+    const auto not_held = [](std::uint32_t i) {
+        return i < 3 ? CommonChange::Sustained{.measured = held_n_per_mm2} : silent(i);
+    };
+    const auto unknown = [](std::uint32_t i) { return i < 3 ? CommonChange::Sustained{} : silent(i); };
+    EXPECT_EQ(change.factor(1, not_held), change.factor(1, unknown)) << "no change without a pressure before";
 }
 
 // Where a slightly higher pressure would have made sustained afferents fire, their silence rules out a rise.

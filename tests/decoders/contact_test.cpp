@@ -190,9 +190,26 @@ TEST(ContactReadout, TellsOfARelease) {
     ContactReadout readout(parameters);
     const auto found = contacts(readout, events, 0ms, 1s);
     ASSERT_FALSE(found.empty());
-    EXPECT_EQ(found.back().estimate.afferents, 0U);
-    EXPECT_EQ(found.back().estimate.force_n, 0);
-    EXPECT_EQ(found.back().estimate.area_mm2, 0);
+    EXPECT_EQ(found.back().estimate, ContactEstimate());
+}
+
+// A pressure that is the same on all of a disc fits no sphere, and moving it makes that no better.
+TEST(ContactReadout, TakesAContactOfAnotherShapeForOneThatStands) {
+    const auto parameters = skin();
+    std::vector<Event> events;
+    for (const auto& [address, group, unit, field] : parameters.afferents) {
+        const double mm = std::hypot(field.x_mm - 0.4, field.y_mm + 0.3);
+        const double read = 0.05 * std::erfc((mm - 2) / std::sqrt(2 * field_mm2)) / 2 / unit;
+        const auto train = fired(
+            group, 600ms, [=](double time_s) { return time_s >= 0.1 ? read : 0; }, address);
+        events.insert(events.end(), train.begin(), train.end());
+    }
+    std::sort(events.begin(), events.end());
+    ContactReadout readout(parameters);
+    for (const auto& [time, patch, contact, estimate] : contacts(readout, events, 0ms, 600ms)) {
+        if (time < at(250ms)) continue;
+        EXPECT_FALSE(estimate.slides) << seconds(time);
+    }
 }
 
 TEST(Readouts, TellOfAReleaseBySilenceThatIsPresumed) {

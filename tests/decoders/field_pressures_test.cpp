@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "afferent/runtime/parameter_error.hpp"
 #include "tests/decoders/afferents.hpp"
 
 namespace afferent {
@@ -112,7 +113,12 @@ TEST(FieldPressures, AreLessCertainWhereOthersFallSilent) {
         EXPECT_NEAR(readings[1].lowest, 0.6 * unit_n_per_mm2, 0.05 * unit_n_per_mm2);
         return readings[1].below;
     };
-    EXPECT_GT(uncertain_of_second(400ms), 2 * uncertain_of_second(450ms));
+    const double heard = uncertain_of_second(450ms);
+    const double silent = uncertain_of_second(400ms);
+    EXPECT_GT(silent, 2 * heard);
+    // The pressure under the first may have gone within 50 ms, of which a quarter makes it silent: twice four
+    // times that, for the 60 ms at most that the measurement of the second is old.
+    EXPECT_LT(silent, 8 * 5 * unit_n_per_mm2 / 0.05 * 0.06);
 }
 
 TEST(FieldPressures, MayHaveChangedTenTimesAsFastInWhatWasLost) {
@@ -182,6 +188,58 @@ TEST(FieldPressures, FallWhereTransientAfferentsFireAndSustainedOnesAreSilent) {
     EXPECT_EQ(sliding.reading({5ms, 8ms, 12ms}, true).lowest, before.lowest);
 }
 
+// A transient afferent fires at a rise as well. What sustained ones measure of it keeps the pressures from
+// falling.
+TEST(FieldPressures, DoNotFallWhereASustainedAfferentMeasuresARise) {
+    Told told;
+    const Duration last = told.events.back().time - scene_start;
+    std::vector<Event> all = fired(
+        two_afferents().groups[0], last + 100ms,
+        [&](double time_s) { return time_s > seconds(last) ? 5 : 0.6; }, 0);
+    const auto fires_within = [&](Duration begin, Duration end) {
+        return std::ranges::any_of(all, [&](const Event& event) {
+            return event.time > at(last + begin) && event.time < at(last + end);
+        });
+    };
+    ASSERT_TRUE(fires_within(4ms, 19ms)) << "while the pressure changes";
+    ASSERT_TRUE(fires_within(60ms, 99ms)) << "and after it";
+    all.insert(all.end(), {{at(1ms), 2}, {at(last + 3ms), 2}, {at(last + 6ms), 2}});
+    std::ranges::sort(all);
+    const auto after = std::ranges::lower_bound(all, Event{at(last + 19ms), 0});
+    told.pressures.observe(at(0ms), at(last + 19ms), {all.begin(), after});
+    EXPECT_GT(told.pressures.change(at(last + 19ms)).mean, 0.97);
+    told.pressures.observe(at(last + 19ms), at(last + 100ms), {after, all.end()});
+    EXPECT_GT(told.pressures.change(at(last + 100ms)).mean, 0.97);
+}
+
+// The second afferent fires every few milliseconds, and measures anew after the change.
+TEST(FieldPressures, ShareTheErrorOfAChangeOnlyIfMeasuredBeforeIt) {
+    Told told;
+    const Duration last = told.events.back().time - scene_start;
+    std::vector<Event> all = told.events;
+    const auto of_second = fired(
+        two_afferents().groups[0], last + 40ms, [](double) { return 5; }, 1);
+    all.insert(all.end(), of_second.begin(), of_second.end());
+    all.insert(all.end(), {{at(1ms), 2}, {at(last + 2ms), 2}, {at(last + 5ms), 2}});
+    std::ranges::sort(all);
+    const TimePoint now = at(last + 40ms);
+    told.pressures.observe(at(0ms), now, all);
+    const CommonChange::Factor change = told.pressures.change(now);
+    ASSERT_GT(change.sigma, 0);
+    std::array<PressureFit::Reading, 2> readings{};
+    told.pressures.read(now, readings, change);
+    const double before = readings[0].lowest / change.mean;
+    EXPECT_NEAR(before, 0.6 * unit_n_per_mm2, 0.05 * unit_n_per_mm2);
+    EXPECT_NEAR(told.pressures.common_sigma(now, change),
+                change.sigma * before / (readings[0].lowest + readings[1].lowest), 1e-9);
+}
+
+TEST(FieldPressures, RefuseFieldsOfOtherAfferents) {
+    const CommonChange::Transient transient{1, {0, 0, 0.25}, 1, 1, 0.03};
+    EXPECT_THROW((FieldPressures(two_afferents(), {1, 1}, std::array{SkinField{0, 0, 0.25}}, {transient})),
+                 ParameterError);
+}
+
 // What was told of one change stays with the measurement when the next one begins, and in a snapshot.
 TEST(FieldPressures, RememberWhatHasChanged) {
     Told told;
@@ -200,6 +258,19 @@ TEST(FieldPressures, RememberWhatHasChanged) {
     EXPECT_GT(readings[0].lowest, 0);
     pressures.resume_after(next, next);
     EXPECT_EQ(pressures.change(next), CommonChange::Factor());
+}
+
+// That it slid before tells nothing of the contact that is found when the hand goes on.
+TEST(FieldPressures, ForgetThatAContactSlid) {
+    Told told;
+    told.pressures.take_for_sliding(true);
+    told.pressures.resume_after(scene_start, scene_start);
+    std::vector<Event> all = told.events;
+    all.insert(all.begin(), {at(1ms), 2});
+    const TimePoint later = all.back().time + 5ms;
+    all.push_back({later, 2});
+    told.pressures.observe(at(0ms), later + 15ms, all);
+    EXPECT_LT(told.pressures.change(later + 15ms).mean, 1);
 }
 
 }  // namespace

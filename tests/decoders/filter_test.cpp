@@ -504,6 +504,17 @@ TEST(Filter, SilenceTellsEveryTenMilliseconds) {
     EXPECT_LT(decoder.estimate(last + 35ms).force_n, 7.5);
 }
 
+// They fire last at 0.997 s, and should again some 12 ms later.
+TEST(Filter, EstimatesTakeTheSilenceSinceTheLastTenMillisecondsToo) {
+    const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
+    Filter decoder({}, afferents);
+    decoder.observe(at(0ms), at(1s), all_fired(afferents, 1s, [](double) { return 8.0; }));
+    decoder.observe(at(1s), at(1011ms), {});
+    const double expected_n = decoder.estimate(at(1011ms)).sigma_n;
+    decoder.observe(at(1011ms), at(1019ms), {});
+    EXPECT_GT(decoder.estimate(at(1019ms)).sigma_n, 4 * expected_n);
+}
+
 TEST(Filter, AnElementAtItsFullScaleIsOutdoneByOthersThatAreNot) {
     DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     afferents.groups[0].full_scale_n = 5;

@@ -157,6 +157,13 @@ TEST(ReadoutPlans, OfAContactHaveTheTransientAfferentsOnTheSameSkin) {
         contact_of("patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } decoder { filter {} "
                    "contact {} }")
             .transients.empty());
+    // Those that answer a rise alone.
+    EXPECT_TRUE(
+        contact_of(
+            "patch { name: 'tip' kind: SA1 outline {} } patch { name: 'rises' elements_of: 'tip' kind: RA "
+            "encoder { transient { negative_ratio: 0 } } } source { pushed {} } decoder { filter {} contact "
+            "{} }")
+            .transients.empty());
     const std::string says = "how they fall by " + std::to_string(transients.size()) + " transient ones";
     EXPECT_TRUE(std::any_of(plan.items.begin(), plan.items.end(), [&](const PlanItem& part) {
         return part.built && part.name == "read-out of contact, \"tip SA1\"" &&
