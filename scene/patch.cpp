@@ -43,6 +43,15 @@ void add_items(const PatchPlan& patch, const Plan& plan, PlanItems& items) {
                                    : std::to_string(patch.afferents()) + " afferents with rows of weights");
     add("two dimensions", patch.grid.has_value() || !patch.places.empty(), two_dimensions(patch, plan));
     add(name(patch.encoder) + std::string(" encoder"), true, describe(patch.encoder));
+    if (const auto* sustained = std::get_if<scene::Sustained>(&plan.scene.patches[index].encoder)) {
+        const std::string field = "encoder.sustained.";
+        add("dynamic term", sustained->dynamic.has_value(),
+            field +
+                (sustained->dynamic ? "dynamic: a rise of the force drives, too" : "dynamic is not given"));
+        add("slow adaptation", sustained->slow_adaptation.has_value(),
+            field + (sustained->slow_adaptation ? "slow_adaptation: a held force drives less and less"
+                                                : "slow_adaptation is not given"));
+    }
     if (!can_fire(plan, patch))
         add("spikes", false, "no sample of its sensors drives a neuron beyond its threshold");
     const std::string differ = differences(plan.scene.patches[index].spread, !patch.places.empty());

@@ -36,7 +36,7 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     const Plan lean = make_plan(Scene::from_text(R"(
         patch { name: "a" neuron { delta_g: 0 } } record { force: false picture: false events: false }
         source { profile { point { force_n: 1 } } } link { in_process {} })"));
-    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor",
+    for (const char* part : {": adaptation", "refractory", "noise", "packets", "decoder", "motor",
                              "recording of events", "picture", "worker threads"})
         EXPECT_FALSE(built(lean, part)) << part;
     for (const char* part :
@@ -48,8 +48,8 @@ TEST(Plan, LeavesOutWhatASceneDoesNotNeed) {
     const Plan full = make_plan(Scene::from_text(R"(
         patch { name: "a" elements: 20000 neuron { delta_g: 0.1 refractory_ms: 1 } sensor { noise_counts: 1 } }
         runtime { threads: 2 } link { tcp {} })"));
-    for (const char* part : {"adaptation", "refractory", "noise", "packets", "decoder", "motor", "recording",
-                             "picture", "worker threads"})
+    for (const char* part : {": adaptation", "refractory", "noise", "packets", "decoder", "motor",
+                             "recording", "picture", "worker threads"})
         EXPECT_TRUE(built(full, part)) << part;
     EXPECT_FALSE(full.in_process());
     EXPECT_EQ(full.threads, 2U);
@@ -71,6 +71,8 @@ TEST(Plan, SaysOfEachItemWhetherItIsBuiltAndWhy) {
         {{"patch \"a\": sensors", "built: 2 elements"},
          {"patch \"a\": receptive fields", "left out: each afferent reads an element of its own"},
          {"patch \"a\": two dimensions", "left out: outline is not given"},
+         {"patch \"a\": dynamic term", "left out: encoder.sustained.dynamic is not given"},
+         {"patch \"a\": slow adaptation", "left out: encoder.sustained.slow_adaptation is not given"},
          {"patch \"a\": spread", "left out: spread is not given: afferents are alike"},
          {"patch \"a\": adaptation", "built: delta_g is 0.06"},
          {"patch \"a\": refractory period", "left out: refractory_ms is 0"},
@@ -447,6 +449,22 @@ TEST(Plan, HasAPulseWhereTheGainHasOneBesideTheFilter) {
                 std::string::npos)
                 << error.what();
         }
+}
+
+TEST(Plan, SaysWhatASustainedEncoderHasBesides) {
+    const auto of = [](const std::string& encoder, const std::string& item) {
+        const Plan plan =
+            make_plan(Scene::from_text("patch { name: 'a' " + encoder +
+                                       " } source { pushed {} } record { force: false picture: false }"));
+        return item_of(plan, "patch \"a\": " + item);
+    };
+    const std::string both = "encoder { sustained { dynamic {} slow_adaptation {} } }";
+    EXPECT_EQ(of(both, "dynamic term"), "built: encoder.sustained.dynamic: a rise of the force drives, too");
+    EXPECT_EQ(of(both, "slow adaptation"),
+              "built: encoder.sustained.slow_adaptation: a held force drives less and less");
+    EXPECT_EQ(of("outline {} kind: SA1_DYNAMIC", "dynamic term"),
+              "built: encoder.sustained.dynamic: a rise of the force drives, too");
+    EXPECT_EQ(of("outline {} kind: RA", "slow adaptation"), "") << "there is nothing to leave out";
 }
 
 TEST(Plan, SaysWhichHalfWavesDrive) {
