@@ -66,6 +66,14 @@ TEST(InverseInterval, DoesNotMeasureAcrossWhatIsLost) {
     EXPECT_DOUBLE_EQ(decoder.estimate(at(180ms)).rate_hz, 50) << "not 95 ms since the spike before the loss";
 }
 
+TEST(InverseInterval, ForgetsALossWithTheNextInterval) {
+    InverseInterval decoder({}, fingertip());
+    decoder.observe(at(0ms), at(100ms), regular_train(0, 0ms, 20ms, 100ms));
+    decoder.lose(at(100ms), at(170ms));
+    decoder.observe(at(170ms), at(270ms), regular_train(0, 180ms, 20ms, 250ms));
+    EXPECT_DOUBLE_EQ(decoder.estimate(at(270ms)).rate_hz, 1 / 0.030) << "30 ms after the last spike";
+}
+
 TEST(InverseInterval, RefusesASnapshotOfOtherAddresses) {
     InverseInterval decoder({}, fingertip());
     InverseInterval::Snapshot snapshot = decoder.snapshot();

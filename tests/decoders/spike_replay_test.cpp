@@ -143,6 +143,7 @@ TEST(SpikeReplay, TwoLostSpikesAreKnownByTheIntervalThatTheyLeave) {
     // Some doubt remains: a force may change without anybody expecting it.
     EXPECT_LT(spike.measured.variance_n2, 1);
     EXPECT_NEAR(lossy.train(0).g, whole.train(0).g, 0.3 * adapting_neuron.delta_g);
+    EXPECT_GT(lossy.train(0).doubt_g, 0.01 * adapting_neuron.delta_g);
 }
 
 // No spike was in a span that lies within the refractory period before the next one.

@@ -152,6 +152,23 @@ TEST(TextureReadout, TellsPeriodDirectionAndSpeed) {
 }
 
 // The second harmonic is five times as strong as the wave itself.
+// An afferent that is silent is no witness: what the others tell is as sure as without it.
+TEST(TextureReadout, IsNoSurerOfAWaveForAfferentsThatAreSilent) {
+    const auto skin = skin_of_64();
+    auto events = slid_over(skin, {2, 40, 30}, 1, 0.4);
+    std::erase_if(events, [](const Event& event) { return event.address % 2 == 0; });
+    auto every_second = skin;
+    std::erase_if(every_second.afferents, [](const auto& afferent) { return afferent.address % 2 == 0; });
+    TextureReadout all(skin), those(every_second);
+    const auto of_all = hear(all, events, 0ms, 405ms);
+    const auto of_those = hear(those, events, 0ms, 405ms);
+    ASSERT_EQ(of_all.size(), 1U);
+    ASSERT_EQ(of_those.size(), 1U);
+    ASSERT_TRUE(of_all[0].estimate.slides && of_those[0].estimate.slides);
+    EXPECT_NEAR(of_all[0].estimate.period_mm, of_those[0].estimate.period_mm, 1e-6);
+    EXPECT_NEAR(of_all[0].estimate.period_sigma_mm / of_those[0].estimate.period_sigma_mm, 1, 1e-6);
+}
+
 TEST(TextureReadout, TellsAWaveFromItsHarmonics) {
     const auto skin = skin_of_64();
     for (unsigned seed = 1; seed <= 8; ++seed) {

@@ -185,6 +185,9 @@ TEST_F(TableSources, TakeASingleColumnOfCountsForThoseOfTheElement) {
     const double newtons_a_count = 10.0 / 4095;  // of 10 N at full scale
     EXPECT_NEAR(by_grip[0].forces_n[0], 2, newtons_a_count);
     EXPECT_NEAR(by_counts[0].forces_n[0], 2048 * newtons_a_count, 1e-9);
+    const auto held = samples(one, "time_s,a_counts\n0,2048\n0.01,1024\n", scene::Between::hold);
+    ASSERT_FALSE(held.empty());
+    EXPECT_NEAR(held.back().true_n.value(), 2048 * newtons_a_count, 1e-9) << "until the last row is taken";
 }
 
 TEST_F(TableSources, RefuseARowOutOfRangeBeforeTheWayToIt) {
@@ -196,6 +199,21 @@ TEST_F(TableSources, RefuseARowOutOfRangeBeforeTheWayToIt) {
                               scene::OutOfRange::refuse);
     EXPECT_TRUE(none.empty());
     EXPECT_TRUE(refusal_.starts_with("x:2: negative")) << refusal_;
+}
+
+TEST_F(TableSources, SayWhichLineTheyLeaveOut) {
+    plan_ = make_plan(Scene::from_text("duration_s: 0.02 " + std::string(two_elements) +
+                                       " source { table { path: 'x' } }"));
+    const auto said = [&](const std::string& rows) {
+        TableSource source(plan_, {.path = "x"});
+        EXPECT_TRUE(source.feed("time_s,force_n\n" + rows));
+        EXPECT_TRUE(source.finish());
+        return source.said();
+    };
+    EXPECT_EQ(said("0,1\n0.02,1\n"), std::vector<std::string>{});
+    EXPECT_EQ(said("0,1\n0.02,1\n0.025,1"),
+              std::vector<std::string>{
+                  "Forces: The last line, 4, has no newline and may be cut off: it is left out"});
 }
 
 TEST_F(TableSources, WaitForTheNextRowOfALiveTable) {
