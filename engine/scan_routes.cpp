@@ -13,7 +13,8 @@ ScanRoutes::ScanRoutes(const Plan& plan) : begins_(plan.elements / block + 2), v
                 use(k, i);
         }
     };
-    for_each_block([&](std::uint32_t k, std::uint32_t) { ++begins_[k + 1]; });
+    // Throws where a shard reads beyond the elements, rather than write there.
+    for_each_block([&](std::uint32_t k, std::uint32_t) { ++begins_.at(k + 1); });
     for (std::size_t k = 1; k < begins_.size(); ++k) begins_[k] += begins_[k - 1];
     shards_.resize(begins_.back());
     std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);

@@ -92,8 +92,8 @@ TEST(CommonChange, IsNoneWithoutAPressureOrASpike) {
     EXPECT_TRUE(change.begins(at(601ms)));
 }
 
-// One that lies on a sustained afferent feels 1/(1 + 2w + w²) of what that one alone holds, w = e^(−1/(2 ·
-// 0.6²)), as the next ones are 1, 1 and √2 mm away.
+// A transient afferent in the place of a sustained one. The next ones are 1, 1 and √2 mm away and hold
+// nothing. Then it feels 1/(1 + 2w + w²) of what that one holds, with w = e^(−1/(2 · 0.6²)).
 TEST(CommonChange, IsFeltAsTheSustainedAfferentsAroundHoldIt) {
     const auto fallen = [](std::vector<double> held) {
         CommonChange change(sustained + transient, fields(),

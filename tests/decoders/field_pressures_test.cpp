@@ -116,9 +116,10 @@ TEST(FieldPressures, AreLessCertainWhereOthersFallSilent) {
     const double heard = uncertain_of_second(450ms);
     const double silent = uncertain_of_second(400ms);
     EXPECT_GT(silent, 2 * heard);
-    // The pressure under the first may have gone within 50 ms, of which a quarter makes it silent: twice four
-    // times that, for the 60 ms at most that the measurement of the second is old.
-    EXPECT_LT(silent, 8 * 5 * unit_n_per_mm2 / 0.05 * 0.06);
+    // The first felt 5 units, and has been silent for 50 ms. As an afferent is silent once a quarter of its
+    // pressure is gone, it may have lost four times as much. The second may have changed twice as fast, for
+    // the 60 ms at most since its last measurement.
+    EXPECT_LT(silent, 2 * 4 * 5 * unit_n_per_mm2 / 0.05 * 0.06);
 }
 
 TEST(FieldPressures, MayHaveChangedTenTimesAsFastInWhatWasLost) {
@@ -260,7 +261,7 @@ TEST(FieldPressures, RememberWhatHasChanged) {
     EXPECT_EQ(pressures.change(next), CommonChange::Factor());
 }
 
-// That it slid before tells nothing of the contact that is found when the hand goes on.
+// After a restart nothing is known to slide.
 TEST(FieldPressures, ForgetThatAContactSlid) {
     Told told;
     told.pressures.take_for_sliding(true);

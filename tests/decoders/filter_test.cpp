@@ -504,7 +504,7 @@ TEST(Filter, SilenceTellsEveryTenMilliseconds) {
     EXPECT_LT(decoder.estimate(last + 35ms).force_n, 7.5);
 }
 
-// They fire last at 0.997 s, and should again some 12 ms later.
+// The afferents fire last at 0.997 s, and should fire again some 12 ms later.
 TEST(Filter, EstimatesTakeTheSilenceSinceTheLastTenMillisecondsToo) {
     const DecodedAfferents afferents = fingers({1.2, 1.0, 0.8});
     Filter decoder({}, afferents);
@@ -637,8 +637,7 @@ TEST(Filter, GainsThatAreNotAsStatedAreLearnedAndNobodyIsLeftOut) {
     EXPECT_EQ(estimate.left_out, 0);
 }
 
-// They are said to be off by 5 %, and are by 18 %: sigma contains the standard error of the mean of those
-// that are found.
+// Gains are said to be off by 5 %, and are off by 18 %. Sigma contains the standard error of their mean.
 TEST(Filter, GainsThatDepartByMoreThanIsStatedMakeItLessSure) {
     DecodedAfferents told = fingers(std::vector(5, 1.0));
     told.uncertainty.gain = 0.05;

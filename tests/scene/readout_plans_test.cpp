@@ -157,7 +157,7 @@ TEST(ReadoutPlans, OfAContactHaveTheTransientAfferentsOnTheSameSkin) {
         contact_of("patch { name: 'tip' kind: SA1 outline {} } source { pushed {} } decoder { filter {} "
                    "contact {} }")
             .transients.empty());
-    // Those that answer a rise alone.
+    // Afferents that only a rise drives tell of no fall.
     EXPECT_TRUE(
         contact_of(
             "patch { name: 'tip' kind: SA1 outline {} } patch { name: 'rises' elements_of: 'tip' kind: RA "
