@@ -40,7 +40,7 @@ class CommonChange {
         double tau_m_s;
         friend bool operator==(const Transient&, const Transient&) = default;
     };
-    // What is known of the change from one sustained afferent. Pressures are in N/mm².
+    // What one sustained afferent tells of the change. Pressures are in N/mm².
     struct Sustained {
         double held = 0;      // pressure before the change; 0: none
         double measured = 0;  // pressure after it; 0: not measured yet

@@ -50,18 +50,32 @@ struct Press {
     }
 };
 
-std::vector<Event> fired_under(const ContactReadout::Parameters& skin, const Press& press, Duration begin,
-                               Duration release, Duration end) {
+// What the afferents fire where pressure_of(field) returns the pressure on that field, in N/mm², as a
+// function of the time in seconds.
+template <class PressureOf>
+std::vector<Event> fired_by(const ContactReadout::Parameters& skin, Duration end, PressureOf pressure_of) {
     std::vector<Event> events;
     for (const auto& [address, group, unit, field] : skin.afferents) {
-        const auto felt = [&, read = press.read_by(field) / unit](double time_s) {
-            return time_s >= seconds(begin) && time_s < seconds(release) ? read : 0;
+        const auto felt = [pressure = pressure_of(field), unit = unit](double time_s) {
+            return pressure(time_s) / unit;
         };
         const auto train = fired(group, end, felt, address);
         events.insert(events.end(), train.begin(), train.end());
     }
     std::sort(events.begin(), events.end());
     return events;
+}
+
+// One that is pressed on for a time.
+auto held(double n_per_mm2, Duration begin, Duration release) {
+    return
+        [=](double time_s) { return time_s >= seconds(begin) && time_s < seconds(release) ? n_per_mm2 : 0; };
+}
+
+std::vector<Event> fired_under(const ContactReadout::Parameters& skin, const Press& press, Duration begin,
+                               Duration release, Duration end) {
+    return fired_by(skin, end,
+                    [&](const SkinField& field) { return held(press.read_by(field), begin, release); });
 }
 
 // The contacts of packets of 5 ms.
@@ -124,19 +138,15 @@ TEST(ContactReadout, TellsWhereAContactIsWhileItSlides) {
         constexpr double step_mm = 0.05;
         std::vector<double> by_distance;
         for (double mm = 0; mm < 12; mm += step_mm) by_distance.push_back(press.read_by({mm, 0, field_mm2}));
-        std::vector<Event> events;
-        for (const auto& [address, group, unit, field] : parameters.afferents) {
-            const auto felt = [&](double time_s) {
+        const auto events = fired_by(parameters, 500ms, [&](const SkinField& field) {
+            return [&](double time_s) {
                 const double mm =
                     std::hypot(field.x_mm - place(speed_x, time_s), field.y_mm - place(speed_y, time_s)) /
                     step_mm;
                 const auto at = static_cast<std::size_t>(mm);
-                return std::lerp(by_distance[at], by_distance[at + 1], mm - static_cast<double>(at)) / unit;
+                return std::lerp(by_distance[at], by_distance[at + 1], mm - static_cast<double>(at));
             };
-            const auto train = fired(group, 500ms, felt, address);
-            events.insert(events.end(), train.begin(), train.end());
-        }
-        std::sort(events.begin(), events.end());
+        });
         ContactReadout readout(parameters);
         int told = 0, inside = 0;
         for (const auto& [time, patch, contact, estimate] : contacts(readout, events, 0ms, 500ms)) {
@@ -163,14 +173,9 @@ TEST(ContactReadout, TellsWhereAContactIsWhileItSlides) {
 TEST(ContactReadout, TellsTwoContactsApart) {
     const auto parameters = skin();
     const Press presses[]{{0.05, -2, -0.3, 1.3}, {0.03, 2, 0.4, 1.5}};
-    std::vector<Event> events;
-    for (const auto& [address, group, unit, field] : parameters.afferents) {
-        const double read = (presses[0].read_by(field) + presses[1].read_by(field)) / unit;
-        const auto train = fired(
-            group, 600ms, [&](double time_s) { return time_s >= 0.1 ? read : 0; }, address);
-        events.insert(events.end(), train.begin(), train.end());
-    }
-    std::sort(events.begin(), events.end());
+    const auto events = fired_by(parameters, 600ms, [&](const SkinField& field) {
+        return held(presses[0].read_by(field) + presses[1].read_by(field), 100ms, 1s);
+    });
     ContactReadout readout(parameters);
     for (const auto& [time, patch, contact, estimate] : contacts(readout, events, 0ms, 600ms)) {
         if (time < at(350ms)) continue;
@@ -196,15 +201,10 @@ TEST(ContactReadout, TellsOfARelease) {
 // A pressure that is the same on all of a disc fits no sphere, and moving it makes that no better.
 TEST(ContactReadout, TakesAContactOfAnotherShapeForOneThatStands) {
     const auto parameters = skin();
-    std::vector<Event> events;
-    for (const auto& [address, group, unit, field] : parameters.afferents) {
+    const auto events = fired_by(parameters, 600ms, [](const SkinField& field) {
         const double mm = std::hypot(field.x_mm - 0.4, field.y_mm + 0.3);
-        const double read = 0.05 * std::erfc((mm - 2) / std::sqrt(2 * field_mm2)) / 2 / unit;
-        const auto train = fired(
-            group, 600ms, [=](double time_s) { return time_s >= 0.1 ? read : 0; }, address);
-        events.insert(events.end(), train.begin(), train.end());
-    }
-    std::sort(events.begin(), events.end());
+        return held(0.05 * std::erfc((mm - 2) / std::sqrt(2 * field_mm2)) / 2, 100ms, 1s);
+    });
     ContactReadout readout(parameters);
     for (const auto& [time, patch, contact, estimate] : contacts(readout, events, 0ms, 600ms)) {
         if (time < at(250ms)) continue;

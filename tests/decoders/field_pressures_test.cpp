@@ -213,7 +213,7 @@ TEST(FieldPressures, DoNotFallWhereASustainedAfferentMeasuresARise) {
     EXPECT_GT(told.pressures.change(at(last + 100ms)).mean, 0.97);
 }
 
-// The second afferent fires every few milliseconds, and measures anew after the change.
+// The second afferent fires often, so that its last measurement is later than the change.
 TEST(FieldPressures, ShareTheErrorOfAChangeOnlyIfMeasuredBeforeIt) {
     Told told;
     const Duration last = told.events.back().time - scene_start;
