@@ -1,11 +1,18 @@
 #include "afferent/io/pictures/figure.hpp"
 
+#include <cmath>
+
 namespace afferent {
 
 void put_letter(GnuplotScript& body, std::size_t panel, double x, double y) {
     if (panel >= 26) return;
     body.line("set label '{/:Bold ", static_cast<char>('A' + panel), "}' at screen ", x, ',', y,
               " left font title_font textcolor rgb '", colour::axis, "'");
+}
+
+double round_below(double value) {
+    const double power = std::pow(10, std::floor(std::log10(value)));
+    return power * (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1);
 }
 
 Drawing draw_figure(const std::filesystem::path& stem, FigureSize size, std::string_view data,

@@ -41,6 +41,9 @@ inline constexpr std::string_view faint = "#B8B8B8";
 // There are 26.
 void put_letter(GnuplotScript& body, std::size_t panel, double x, double y);
 
+// 1, 2 or 5 times a power of ten, at most `value` and more than two fifths of it.
+double round_below(double value);
+
 struct FigureSize {
     int width;
     int height;  // in pixels of the SVG; the PNG has twice as many

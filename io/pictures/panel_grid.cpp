@@ -67,12 +67,16 @@ std::pair<double, double> y_range_of(const PanelGrid::Panel& panel) {
     return {low, high > low ? high : low + 1};
 }
 
-void put_x_range(GnuplotScript& body, const PanelGrid::Panel& panel) {
+void put_x_range(GnuplotScript& body, const PanelGrid::Panel& panel, double most_tics) {
     Extent extent;
     for (const auto& curve : panel.curves) extent.add(curve.x);
     if (panel.logarithmic_x) body.line("set logscale x");
-    if (panel.x_range)
-        return body.line("set xrange [", panel.x_range->first, ':', panel.x_range->second, ']');
+    body.line("set xtics autofreq");
+    const auto [from, to] = panel.x_range.value_or(std::pair(extent.low, extent.high));
+    // gnuplot's own run into each other where a panel is narrow.
+    if (!panel.logarithmic_x && from < to)
+        body.line("set xtics ", round_below(2.5 * (to - from) / most_tics));
+    if (panel.x_range) return body.line("set xrange [", from, ':', to, ']');
     if (!(extent.low < extent.high)) return body.line("set xrange [*:*]");
     // Marked points are not cut by the axis.
     const bool marked = std::ranges::any_of(panel.curves, &PanelGrid::Curve::marked);
@@ -95,12 +99,12 @@ std::string curve_style(bool marked, bool dashed, std::size_t place, std::string
 }
 
 void put_panel(GnuplotScript& body, GnuplotScript& data, const PanelGrid::Panel& panel, std::size_t number,
-               const Legend& named) {
+               const Legend& named, double most_tics) {
     const std::string in_axis_colour = " textcolor rgb '" + std::string(colour::axis) + "'";
     body.line("unset logscale");
     body.line("unset arrow");
     const auto [low, high] = y_range_of(panel);
-    put_x_range(body, panel);
+    put_x_range(body, panel, most_tics);
     body.line("set yrange [", low, ':', high, ']');
     for (const auto& [what, text] : {std::pair("title", &panel.title), std::pair("xlabel", &panel.x_title),
                                      std::pair("ylabel", &panel.y_title)})
@@ -204,6 +208,7 @@ Drawing draw(const PanelGrid& picture, const std::filesystem::path& stem) {
     constexpr double title_line = 30;
     constexpr double beside_left = 66;
     constexpr double beside_right = 16;
+    constexpr double tic_width = 45;
     const std::vector<Row> rows = rows_of(picture, columns, head);
     const double height = rows.back().end;
 
@@ -231,7 +236,8 @@ Drawing draw(const PanelGrid& picture, const std::filesystem::path& stem) {
         if (picture.panels.size() > 1)
             put_letter(body, drawn++, (column * panel_width + 8) / width,
                        1 - (rows[i / columns].top - 14) / height);
-        put_panel(body, data, picture.panels[i], i, named);
+        put_panel(body, data, picture.panels[i], i, named,
+                  (panel_width - beside_left - beside_right) / tic_width);
         body.line("unset label");
     }
     put_legend(body, picture, named, 1 - head / height, 1 - title_line / height);

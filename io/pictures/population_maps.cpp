@@ -9,12 +9,6 @@ namespace {
 constexpr std::size_t most_marks = 3000;
 constexpr int squares_across = 90;
 
-// 1, 2 or 5 times a power of ten, at most `value`.
-double round_below(double value) {
-    const double power = std::pow(10, std::floor(std::log10(value)));
-    return power * (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1);
-}
-
 // Ends at a round number at or above the highest rate.
 double scale_of(double highest_hz) {
     if (!(highest_hz > 0)) return 1;

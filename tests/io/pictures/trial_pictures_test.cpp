@@ -62,5 +62,16 @@ TEST_F(Picture, NamesACurveOnceForAllPanels) {
     EXPECT_EQ(draw(PanelGrid{}, stem()).outcome, Drawn::failed);
 }
 
+// Of six panels in a row each has room for two tics, where one alone has them at 0.2, 0.4 and so on.
+TEST_F(Picture, HasAsManyTicsAsThereIsRoomFor) {
+    PanelGrid::Panel panel;
+    panel.curves = {{.name = "force", .x = {0, 1.9}, .y = {11, 12}}};
+    expect_drawn(draw(PanelGrid{.title = "One", .columns = 1, .panels = {panel}}, stem()));
+    EXPECT_EQ(times_in_svg("0.4"), 1);
+    expect_drawn(draw(PanelGrid{.title = "Six", .columns = 6, .panels = std::vector(6, panel)}, stem()));
+    EXPECT_EQ(times_in_svg("0.4"), 0);
+    EXPECT_EQ(times_in_svg("1"), 6);
+}
+
 }  // namespace
 }  // namespace afferent
